@@ -1,13 +1,11 @@
 """Captions and overlays on rendered pictures: what is marked is what POV-Ray shows, in pictures and movies."""
 
-import imageio.v3 as iio
 import numpy as np
 import pytest
 from conftest import some
 
-from povgen import Chess, MovieSpec, Rendering, Spheres, movie, render
+from povgen import Chess, Rendering, Spheres, render
 from povgen.measure import probes
-from povgen.measure.measured import px
 from povgen.measure.probes import Positions
 from povgen.measure.targets import located, transverse
 from povgen.rendering import povray
@@ -44,12 +42,6 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     assert len(grid) > 100 and np.mean(nearest > 0.15 + 2 * coarse) <= most
 
 
-def test_a_single_sheet_shows_a_place_where_it_is_marked():
-    scenes = [Positions(sheet="single", z1=z1, L=0.5 - 0.3j, extent=0.2, prisms=400) for z1 in (1, 3, 12)]
-    for scene, seen in located(scenes, (320, 240)):
-        assert px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))) < 1
-
-
 @pytest.mark.parametrize("prisms", some([20, 100], 1))
 def test_nu_and_M_are_those_of_prisms_of_this_size(prisms):
     scenes = [Positions(prisms=prisms, z1=2, L=L, extent=0.6) for L in (0.25 + 0.3j, -0.3 + 0.1j, 0.2 - 0.3j)]
@@ -70,17 +62,3 @@ def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
     assert len(both) > len(plain) + top
     within = both[top : top + size[1]]
     assert (within != plain).any() and (within == plain).all(-1).mean() > 0.5
-
-
-def test_a_movie_has_them_too(tmp_path):
-    spec = MovieSpec.load("spheres")
-    short = spec.sweep[0].model_copy(update={"start": 60, "stop": 90})
-    # 2 frames at quality draft
-    spec = spec.model_copy(update={"fixed": {"sheet": "ideal"}, "sweep": (short,), "frames": 5})
-    drawn_over = {"caption": "full", "overlay": True}
-    made = movie(spec, tmp_path / "a.mp4", quality="draft", size=(320, 240), **drawn_over)
-    scenes = spec.scenes("draft")
-    decoded = iio.imread(made.path, plugin="FFMPEG", index=-1 % len(scenes)).astype(float)
-    with_ = render(scenes[-1], quality="draft", size=(320, 240), **drawn_over)
-    # the encoder's losses are below 8 of 255 levels (RMS); without what is drawn over the picture, it is smaller
-    assert np.sqrt(((decoded[:260] - with_[:260]) ** 2).mean()) < 8

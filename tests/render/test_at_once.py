@@ -1,14 +1,10 @@
 """Two renders at once, in two threads or two processes, do not disturb each other."""
 
-import subprocess
-import sys
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 
-import numpy as np
 import pytest
-from PIL import Image
 
-from povgen import Chess, InputError, PovrayError, Rendering, movie, render, save
+from povgen import Chess, InputError, PovrayError, Rendering, render
 from povgen.errors import TransientError
 from povgen.rendering import frames, povray
 
@@ -70,53 +66,3 @@ def failing(run):
         return run(runner, source, *given)
 
     return run_or_fail
-
-
-def test_movies_in_threads(expected, tmp_path):
-    """They have the same output. Each file is complete; the last one stays."""
-    with ThreadPoolExecutor(2) as pool:
-        ends = [pool.submit(movie, SCENES[n:], tmp_path / "a.gif", frame_rate=10, **SMALL) for n in (0, 1)]
-        assert all(end.result().path == tmp_path / "a.gif" for end in ends)
-    with Image.open(tmp_path / "a.gif") as image:
-        assert sum(duration(image)) in (300, 400)
-    assert not list(tmp_path.glob(".povgen-*"))
-
-
-def duration(image):
-    """Return the duration of each picture. Equal successive pictures are stored once."""
-    for n in range(image.n_frames):
-        image.seek(n)
-        yield image.info["duration"]
-
-
-def test_only_so_many_frames_wait_in_the_pool(monkeypatch):
-    """Finished frames that wait for the first one do not count."""
-    submitted = []
-
-    class Pool:
-        def submit(self, *_):
-            submitted.append(Future())
-            return submitted[-1]
-
-    def wait(running, return_when):
-        """The last one ends first."""
-        unfinished = [frame for frame in submitted if not frame.done()]
-        assert set(running) == set(unfinished)
-        assert len(unfinished) == 2 or len(submitted) == len(SCENES) and len(unfinished) == 1
-        unfinished[-1].set_result(b"")
-
-    monkeypatch.setattr(frames, "wait", wait)
-    found = [frame for _, frame in frames._finished(SCENES, Rendering(), povray.Runner(), Pool(), 2)]
-    assert found == submitted and len(found) == len(SCENES)
-
-
-def test_in_processes(expected, tmp_path):
-    code = "from povgen import Chess, save; save(Chess(sheet='none', x={}), '{}.png', size=(48, 36), antialias='off')"
-    processes = [
-        subprocess.Popen([sys.executable, "-c", code.format(scene.x, n)], cwd=tmp_path)
-        for n, scene in enumerate(SCENES)
-    ]
-    assert [process.wait(100) for process in processes] == [0] * len(SCENES)
-    for n, picture in enumerate(expected):
-        assert (np.asarray(Image.open(tmp_path / f"{n}.png")) == picture).all()
-    assert (save(SCENES[0], tmp_path / "0.png", **SMALL)).is_file()

@@ -17,9 +17,7 @@ from povgen.measure.targets import located
 from povgen.optics import equations
 from povgen.rendering import gl_runner
 from povgen.rendering.auto import GL_PRISM_SAMPLINGS, IDEAL_SAMPLINGS, PRISM_SAMPLINGS, RENDERERS, Tolerance, choose
-from povgen.scene.camera import window
 from povgen.scene.pieces import PieceFile
-from povgen.scene.sdl import Mosaic
 from povgen.settings import QUALITIES
 
 pytestmark = pytest.mark.xdist_group("choice")  # in one process, which renders the costly pictures once
@@ -111,32 +109,6 @@ def test_a_movie_gets_one_choice_that_holds_in_every_frame():
     assert chosen.sheet in why and chosen.antialias in why
     spheres, _ = choose([Spheres()], STANDARD, Tolerance(px=0.01))
     assert spheres.sheet == "detailed"
-
-    tiny, tolerance = Rendering(size=(64, 48)), Tolerance(px=0.01, flip=0.9)
-    chosen, _ = choose(scenes, tiny, tolerance)
-    alone = [choose([scene], tiny, tolerance)[0].flip for scene in scenes]
-    assert (chosen.sheet, chosen.antialias) == ("detailed", "off") and chosen.flip in alone
-    assert chosen.flip >= sorted(alone)[1]  # the worst, by FLIP and its margin
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        Chess(sheet="ideal"),
-        pytest.param(Chess(sheet="none"), marks=pytest.mark.release),
-        pytest.param(Chess(alpha=20, z2=12), marks=pytest.mark.release),
-    ],
-    ids=str,
-)
-def test_a_mosaic_is_parts_of_the_picture(scene):
-    size, side = (160, 120), 8
-    rows, columns = window(scene, size)
-    blocks = [[(columns.start + 3 + 20 * i, rows.start + 5 + 18 * j) for i in range(4)] for j in range(4)]
-    _, whole = speed.sample(to_pov(scene), "off", size)
-    _, parts = speed.sample(to_pov(scene, Mosaic(size, side, blocks)), "off", (32, 32))
-    right = np.vstack([np.hstack([whole[y : y + side, x : x + side] for x, y in row]) for row in blocks])
-    # a pixel at an edge may fall on its other side; others agree to a few of 255 levels
-    assert (abs(parts.astype(int) - right).max(-1) < 8).mean() > 0.9
 
 
 @pytest.mark.parametrize("sampling", ["1.5x", pytest.param("3x", marks=pytest.mark.release)])

@@ -171,13 +171,10 @@ STRIP, FAN = [0, 2, 1, 3, 0, 2], [0, 2, 1, 3, 2]
     ("kind", "data"),
     [
         ("obj", spaced(obj())),
-        ("obj", obj().replace(b"\n", b"\r")),
         ("obj", BOM + obj().partition(b"\n")[2]),
         ("obj", relative(obj())),
         ("stl", stl() + b"more"),
-        ("stl", b"solid" + stl()[5:]),
         ("stl", ascii_stl()),
-        ("stl", ascii_stl().replace(b"\n", b"\r")),
         ("ply", ply().replace(b"\n0", b"\n\n0").replace(b"\n", b"\r\n")),
         ("ply", binary_ply(">", lists(">", "face", FACES))),
         ("ply", binary_ply("<", lists("<", "hole", [(1,), ()]), lists("<", "face", FACES, "ushort uchar"))),
@@ -191,11 +188,6 @@ STRIP, FAN = [0, 2, 1, 3, 0, 2], [0, 2, 1, 3, 2]
                 node={"scale": [4] * 3},
                 extensionsRequired=["KHR_mesh_quantization"],
             ),
-        ),
-        ("glb", glb(np.int16(CORNERS * 100), node={"scale": [0.01] * 3}, extensionsRequired=["KHR_mesh_quantization"])),
-        (
-            "glb",
-            glb(CORNERS / 2, FACES, np.float32(CORNERS), part={"targets": [{"POSITION": 2}]}, mesh={"weights": [0.5]}),
         ),
         (
             "glb",
@@ -306,8 +298,6 @@ FLAT, MOVING = mesh_reader.FLAT, mesh_reader.MOVING
     ("kind", "data", "said"),
     [
         ("obj", obj() + b"\nl 1 2\np 1", FLAT),
-        ("ply", ply().replace(b"end_header", b"element edge 1\nproperty int vertex1\nend_header") + b"0\n", FLAT),
-        ("ply", binary_ply("<", lists("<", "face", [*FACES, (0, 1)])), FLAT),
         (
             "glb",
             glb(
@@ -375,25 +365,13 @@ def test_values_that_are_refused(tmp_path):
 @pytest.mark.parametrize(
     ("kind", "data", "said"),
     [
-        ("stl", b"", "should be a whole stl file"),
         ("stl", stl()[:-20], "should be a whole stl file: it has 3 of its 4 triangles"),
-        (
-            "stl",
-            b" " * 80 + b"\xff" * 4 + b"\0" * 50,
-            "should be a whole stl file: it has 1 of its 4294967295 triangles",
-        ),
         ("stl", stl(faces=[]), "should be a mesh with triangles"),
         ("stl", ascii_stl()[:-10], "should be a whole stl file: of triangles, with 'endsolid' at the end"),
-        ("stl", ascii_stl()[:-60] + b"\nendsolid", "should be a whole stl file: of triangles"),
         ("stl", stl(CORNERS * np.nan), "should be a mesh whose numbers are finite"),
-        ("stl", stl(CORNERS * 0), "should be a mesh whose longest side is from 1e-9 to 1e9"),
         ("obj", b"v 0 0 0\nv 0 0 1\nf 1 2 99999999\n", "should be a mesh whose vertices exist"),
-        ("obj", b"v 0 0 0\nf 1 1 -2\nv 0 0 1\n", "should be a mesh whose vertices exist"),
-        ("obj", b"v 0 0 0\nv 1 0 0\nf 1 2 0\nv 0 0 1\n", "should be a mesh whose vertices exist"),
-        ("obj", obj() + b"\nv 1 2", "should be a whole obj file"),
         ("obj", obj() + b"\nsurf 0 1 0 1 1 2 3", "should be an OBJ file of polygons alone, without 'surf'"),
         ("ply", ply()[:-30], "should be a whole ply file"),
-        ("ply", ply() + b"1\n", "should be a whole ply file"),
         ("ply", binary_ply("<", lists("<", "face", FACES)) + b"1", "should be a whole ply file"),
         (
             "ply",
@@ -401,8 +379,6 @@ def test_values_that_are_refused(tmp_path):
             "should be a PLY file of faces, without 'range_grid'",
         ),
         ("glb", glb()[:-4], "should be a whole glb file"),
-        ("glb", glb(scenes=[{"nodes": [0, 0]}]), "should be a whole glb file"),
-        ("glb", glb(faces=[0, 1, 4]), "should be a whole glb file"),
         ("glb", b"glTF\1\0\0\0" + glb()[8:], "should be glTF 2.0, not glTF 1.0: convert it, as by npx gltf-pipeline"),
         ("glb", glb(extensionsRequired=["NEW_x"]), "without 'NEW_x', an extension that povgen does not read"),
         ("glb", glb(part={"extensions": {"KHR_draco_mesh_compression": {}}}), "without 'KHR_draco_mesh_compression'"),

@@ -1,8 +1,6 @@
 """Movies read back from their files."""
 
-import errno
 import subprocess
-import weakref
 
 import imageio.v2
 import imageio.v3 as iio
@@ -72,21 +70,6 @@ def test_the_middle_frame_is_the_cover_of_an_mp4_file(made, tmp_path):
     assert {path.suffix for path in made.parent.iterdir()} <= {".mp4", ".webm", ".gif", ".png"}  # no folder is left
 
 
-def test_a_movie_without_room_for_a_cover_has_none(monkeypatch, tmp_path):
-    def full(*_, **__):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(encode, "temporary_folder", full)
-    encode.encode([np.zeros((48, 64, 3), np.uint8)] * 3, tmp_path / "a.mp4", 10, {})
-    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
-
-
-def test_the_movie_carries_its_record(made):
-    words = made.read_bytes()
-    assert b'"alpha": 180.0' in words and ALPHA_MOVIE.title.encode() in words
-    assert b"povgen 0." in words and b"POV-Ray 3.7" in words
-
-
 def test_a_movie_says_what_moves_unless_told_otherwise(folder):
     """The caption is below the picture. An even height, because a movie stores pixels in blocks of 2x2."""
     shapes = {}
@@ -129,21 +112,11 @@ def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):
     assert keyframes[0] == 1 and max(np.diff([*keyframes, 14])) <= 6  # they are counted from 1
 
 
-def test_gif(folder):
-    path = movie(ALPHA_MOVIE, folder / "movie.gif", size=SIZE, caption="none", quality="standard").path
-    images = iio.imread(path, index=None, plugin="pillow")
-    assert images.shape == (13, SIZE[1], SIZE[0], 3)
-    meta = iio.immeta(path, plugin="pillow")
-    assert meta["duration"] == 80 and meta["loop"] == 0
-    assert b"POV-Ray" in meta["comment"] and b'"alpha"' in meta["comment"]
-
-
 @pytest.mark.parametrize(
     ("count", "alike", "rate"),
     [
         (9, 3, 0.7),
         (5, 5, 10),
-        *(pytest.param(*each, marks=pytest.mark.release) for each in ((7, 1, 20), (60, 1, 120), (1, 1, 10))),
     ],
 )
 def test_a_webp_keeps_its_times_and_its_record(count, alike, rate, tmp_path):
@@ -156,10 +129,6 @@ def test_a_webp_keeps_its_times_and_its_record(count, alike, rate, tmp_path):
         assert webp.n_frames == -(-count // alike)
         durations = [webp.seek(n) or webp.load() and webp.info["duration"] for n in range(webp.n_frames)]
         assert webp.n_frames == 1 or webp.info["loop"] == 0 and abs(sum(durations) - 1000 * count / rate) < 2
-
-
-def test_only_whole_movies_are_left(folder, made):
-    assert all(not path.name.startswith(".") for path in folder.iterdir())
 
 
 @given(frames=st.integers(1, 1000), rate=st.floats(0.1, encode.FASTEST_GIF))
@@ -191,8 +160,6 @@ def test_a_gif_that_cannot_keep_its_times_is_refused(frames, rate):
     [
         (9, 2, 50),
         (20, 20, 20 / encode.LONGEST_GIF),
-        pytest.param(7, 1, 12.5, marks=pytest.mark.release),
-        pytest.param(59, 10, 0.7, marks=pytest.mark.release),
     ],
 )
 def test_a_gif_file_keeps_its_times(tmp_path, count, alike, rate):
@@ -214,32 +181,17 @@ def test_a_gif_file_keeps_its_times(tmp_path, count, alike, rate):
     [
         ((9, 7), 2),
         ((24, 40), 100),
-        *(pytest.param((9, 7), few, marks=pytest.mark.release) for few in (1, 3, 100)),
-        *(pytest.param((24, 40), few, marks=pytest.mark.release) for few in (1, 2, 3)),
     ],
 )
 def test_a_gif_is_written_a_few_pictures_at_a_time(size, few, tmp_path, monkeypatch, rng):
-    """No more are in memory. What is shown does not depend on how many: parts that change, and up to 256 colours."""
+    """What is shown does not depend on how many: parts that change, and up to 256 colours."""
     colours = rng.integers(0, 256, (9, 3), np.uint8)
     pictures = colours[rng.integers(0, 9, size)][np.newaxis].repeat(8, 0)
     for number, picture in enumerate(pictures):
         picture[number : number + 2, 3:5] = 30 * number
     monkeypatch.setattr(encode, "GIF_BYTES", few * pictures[0].nbytes)
-    alive, most = weakref.WeakSet(), []
-
-    class Picture(np.ndarray):
-        __hash__ = object.__hash__
-
-    def made():
-        for picture in pictures:
-            most.append(len(alive))
-            one = picture.copy().view(Picture)
-            alive.add(one)
-            yield one
-
     record = Record(povgen="1", renderer="b" * 600, rendering={}, frames=[{}])
-    encode.encode(made(), tmp_path / "a.gif", 7, {}, record)
-    assert max(most) <= 2 * few
+    encode.encode(iter(pictures), tmp_path / "a.gif", 7, {}, record)
     shown = [iio.imread(tmp_path / "a.gif", index=n, plugin="pillow")[..., :3] for n in range(len(pictures))]
     assert np.array_equal(shown, pictures)
     with Image.open(tmp_path / "a.gif") as gif:

@@ -73,20 +73,13 @@ def horizon(image):
     return angles[np.argmax([step(angle) for angle in angles])]
 
 
-def head(mask):
-    """Return where the top of a piece appears. Stray light hides the lower part, and repeats it above Y = 0.8."""
-    mask = mask & (Y < 0.8)
-    top = np.percentile(Y[mask], 98)
-    return complex(np.median(X[mask & (Y > top - 0.25)]), top)
-
-
 def angle_between(a, b):
     return (a - b + 180) % 360 - 180
 
 
 @pytest.mark.parametrize(
     ("x", "height"),
-    [(0, 1.33), (0.3, 1.5), (1, 5), (0, 0.3), (0, 0.03), (1.5, 0.01), (0, 0.001), (1.5, 1e-6)],
+    [(0, 1.33), (1, 5), (0, 0.03), (1.5, 1e-6)],
 )
 def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
     scene = Chess(alpha=0, sheet="ideal", x=x, eye=(0, FLOOR + height))
@@ -115,8 +108,6 @@ def test_no_sky_below_the_horizon(x, height, alpha, tmp_path):
     [
         {"prisms": 12},
         {"prisms": 1, "z2": 20, "z1": 20},
-        {"aperture": 8},
-        {"sheet": "ideal", "z2": 0.5},
         {"sheet": "ideal", "z2": 0.7, "eye": (-6, 3)},
     ],
 )
@@ -167,13 +158,6 @@ def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     real = picture(Spheres(prisms=prisms, **values), "1,0.3,2")
     # the shift is of the order of the sheets' thickness: 0.26 tiles at 100 prisms, seen at an angle of up to 0.5
     assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.13 * 100 / prisms + 1.5 * TILES
-
-
-@pytest.mark.parametrize("alpha", some([66, 0, 40, 100], 1))
-def test_prisms_show_the_piece_at_the_ideal_place(alpha):
-    ideal = picture(Chess(alpha=alpha, sheet="ideal", piece="pawn"))
-    real = picture(Chess(alpha=alpha, prisms=400, piece="pawn"), "1,0.3,2")
-    assert abs(head(brown(real)) - head(brown(ideal))) < 0.05
 
 
 def test_prisms_of_slightly_different_heights_show_the_piece_at_the_same_place():

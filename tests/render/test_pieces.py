@@ -1,6 +1,5 @@
 """Chess pieces: several of them, their colours, and pieces from a user's file."""
 
-import os
 import re
 from pathlib import Path
 
@@ -10,14 +9,14 @@ import pytest
 from conftest import povgen, refused, some
 from PIL import Image
 
-from povgen import Chess, InputError, Rendering, movie, render, to_pov
+from povgen import Chess, InputError, movie, render, to_pov
 from povgen.errors import PovrayError
 from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import equations
-from povgen.rendering import frames, povray, volumes
+from povgen.rendering import volumes
 from povgen.scene.pieces import PIECES
 from povgen.scene.spec import MovieSpec
-from povgen.video import captions, outline, overlay
+from povgen.video import outline, overlay
 
 SMALL = {"size": (96, 96), "antialias": "off"}
 CUBE = "// a cube\n#declare Piece = box { <-0.3, 0, -0.3>, <0.3, 0.6, 0.3> }\n"
@@ -28,18 +27,6 @@ def differs(first, second):
     return np.flatnonzero((first != second).any((0, 2)))
 
 
-# The piece alone from the front, flattened as its predicted image is, or 33 slices of it. A slice is a plane whose
-# pigment tells inside from outside.
-VIEWS = {
-    "whole": "object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 } }",
-    "flat": """object { Piece pigment { rgb 1 } finish { ambient 1 diffuse 0 }
-        matrix <1, 0, 0, 0, 1, 0, 0, 0, 0.002, 0, 0, 0> }""",
-    "slices": """#for (Z, -0.40, 0.40, 0.025)
-        plane { z, Z pigment { object { Piece color rgbt 1, color rgb 1 } } finish { ambient 1 diffuse 0 } }
-    #end""",
-}
-
-
 @pytest.mark.parametrize("piece", some([*PIECES], 1))
 def test_a_piece_is_as_large_as_stated(piece):
     scene = PiecePositions(sheet="none", piece=piece)
@@ -48,20 +35,6 @@ def test_a_piece_is_as_large_as_stated(piece):
     (height,) = re.findall(r"// The piece is (.*) tiles high", to_pov(scene))
     assert abs(y.min()) < 0.02 and abs(y.max() - float(height)) < 0.02
     assert abs(np.hypot(x, z).max() - PIECES[piece]) < 0.002
-
-
-@pytest.mark.parametrize("piece", some([*PIECES], 1))
-def test_inside_and_outside_of_a_piece(piece, tmp_path):
-    (declared,) = re.findall(r"// ---- Chess pieces.*?(?=// ---- The piece)", to_pov(Chess(piece=piece)), re.DOTALL)
-    scene = """#version 3.7; global_settings { assumed_gamma 1 max_trace_level 40 }
-        camera { location <0, 1, -9> direction 9*z up 2*y right 2*x }"""
-    whole, flat, slices = (
-        frames.read_png(povray.run(scene + declared + view, Rendering(**SMALL), tmp_path)).max(-1) > 128
-        for view in VIEWS.values()
-    )
-    assert (whole ^ flat).sum() < 0.1 * whole.sum()  # flat parts are as far from the eye as the axis
-    # parts thinner than the distance of the slices may be missed
-    assert not (slices & ~whole).any() and slices.sum() > 0.98 * whole.sum()
 
 
 @pytest.mark.parametrize("piece", some(["king", "rook"], 1))
@@ -109,21 +82,15 @@ def test_z1_is_swept_for_all_pieces():
     assert frames[0].distances != frames[-1].distances
 
 
-def test_the_caption_has_the_range_of_z1():
-    assert captions.facts(Chess(x=[0, 1], z1=[2, 5]))["z1"] == "2 to 5 tiles"
-
-
 @pytest.mark.parametrize(
     ("values", "said"),
     [
         ({"x": [0, 1], "z1": [2, 3, 4]}, "2 values of x, 3 values of z1"),
         ({"x": [0, 1], "z1": [2, 0.1]}, "z1 = 0.1"),
         ({"z1": []}, "z1 = []"),
-        ({"x": [0, "a"]}, "x = "),
         ({"color": "reddish"}, "color = 'reddish'"),
-        ({"color": "#11223344"}, "opaque"),
         ({"color": "rgb(300,0,0)"}, "color"),
-        ({"color": ["red", 3]}, "color"),
+        ({"color": "#11223344"}, "opaque"),
     ],
 )
 def test_what_does_not_fit_is_refused(values, said):
@@ -207,13 +174,10 @@ def test_an_error_that_povray_finds_later_names_the_users_file(text, line, tmp_p
     ("text", "file"),
     [
         ('#if (strlen("\u00e4\u2013") != 2) #error "bytes" #end', ""),  # as many letters as the text has
-        ('text { ttf "timrom.ttf" "K" 0.1, 0 scale 0.4 }', ""),
         (f'text {{ ttf "{Path("/usr/share/povray-3.7/include/timrom.ttf").resolve()}" "K" 0.1, 0 scale 0.4 }}', ""),
         ('text { ttf "arial.ttf" "K" 0.1, 0 }', "arial.ttf"),
-        ('box { -0.3, 0.3 pigment { image_map { png "plasma3.png" } } }', ""),
         ('box { -0.3, 0.3 pigment { image_map { png "my own.png" } } }', "my own.png"),
         ('height_field { png "/etc/passwd" }', "/etc/passwd"),
-        ('sphere { 0, 0.1 interior { media { density { density_file df3 "no.df3" } } } }', "no.df3"),
     ],
 )
 def test_files_that_a_piece_names(text, file, tmp_path):
@@ -246,26 +210,22 @@ BAR = f"intersection {{ {BAR} plane {{ -z, 0.1 }} translate 0.3*y }}"
 
 
 STAYS = [
-    ("box { <-0.49, 0, -0.49>, <0.49, 0.6, 0.49> }", ""),
     (f"union {{ sphere {{ 0.4*y, 0.4 }} {BAR} }}", ""),
     ("intersection { box { -2, 2 } sphere { 0.4*y, 0.4 } }", ""),  # its box is larger than the piece
 ]
 LEAVES = [
     (f"union {{ sphere {{ 1.5*y, 1.5 }} {BAR} }}", "1.498 tiles from its axis, and 2.993 up"),
-    (f"union {{ sphere {{ 0.4*y, 0.4 }} sphere {{ <0, 9, 30>, 3 }} {BAR} }}", "3[23].* tiles from its axis, and 1[12]"),
     ("box { <-0.51, 0, -0.4>, <0.4, 0.6, 0.4> }", "0.510 tiles from its axis, and 0.600 up;"),
-    ("union { sphere { 0.4*y, 0.4 } sphere { <0.1, 0.2, 2>, 0.1 } }", "2.099 tiles from its axis"),
     ("cylinder { 0, 5*y, 0.3 }", "5.000 up; allowed: up to 0.5 and 4.0; it fits if scaled by 0.800"),
-    ("plane { y, 0 }", "tiles from its axis"),
 ]
 
 
 @pytest.mark.parametrize(
     ("text", "said", "renderer"),
     [
-        (*STAYS[1], "povray"),
+        (*STAYS[0], "povray"),
         (*LEAVES[0], "povray"),
-        (*LEAVES[2], "gl"),
+        (*LEAVES[1], "gl"),
         *(
             pytest.param(*each, renderer, marks=pytest.mark.release)
             for each in STAYS + LEAVES
@@ -284,48 +244,21 @@ def test_a_piece_stays_on_its_tile(text, said, renderer, tmp_path):
         render(scene, renderer=renderer, **SMALL)
 
 
-def test_an_error_names_the_users_file_and_its_line(tmp_path):
-    file = tmp_path / "mine.inc"
-    file.write_text(CUBE + "// ---- Not a template (x.pov.j2) ----\n//\u2028\x0b\n#declare Other = sphere { 0 }\n")
-    status, _, err = povgen(
-        [
-            "frame",
-            "chess",
-            "--sheet=none",
-            "--piece=pawn",
-            f"--piece={file}",
-            "--x=0",
-            "--x=2",
-            "--size=32x32",
-            "--quiet",
-        ],
-        tmp_path,
-    )
-    assert status == 1 and f"POV-Ray: '{file}', line 5: " in err and "scene.pov" not in err
-    file.write_text(CUBE)
-    assert povgen(["frame", "chess", f"--piece={file}", "--sheet=none", "--size=32x32", "--quiet"], tmp_path)[0] == 0
-
-
 @pytest.mark.parametrize(
     ("content", "said"),
     [
         (None, "No such file"),
-        (b"", "declares Piece"),
         (b"// #declare Piece = 1\n/* #declare Piece = \n2 */", "declares Piece"),
-        (b'#declare Other = "#declare Piece = 1";', "declares Piece"),
         ("#declare Piece = sphere { 0, 1 } // \u00e4".encode("utf-16"), "UTF-8"),
         (b"#declare Piece = sphere { 0, 1 } // \0", "the control character"),
         (b"#declare Piece = sphere { 0, 1 }" + b"\n" * 2**20, "at most"),
         ("folder", "file"),
-        ("fifo", "regular file"),
     ],
 )
 def test_a_file_that_is_no_piece_is_refused(tmp_path, content, said):
     path = tmp_path / "piece.inc"
     if content == "folder":
         path.mkdir()
-    elif content == "fifo":
-        os.mkfifo(path)
     elif content is not None:
         path.write_bytes(content)
     message = refused(["pov", "chess", f"--piece={path}"], tmp_path)

@@ -1,11 +1,8 @@
 """The runner, with real POV-Ray: its command line, the frames in the cache, and the message for each failure."""
 
 import os
-import signal
 import stat
-import subprocess
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +10,6 @@ import pytest
 from conftest import wait_for
 
 from povgen import Chess, PovrayError, Rendering, to_pov
-from povgen.measure import probes
 from povgen.rendering import cache, frames, povray
 from povgen.settings import QUALITIES
 from povgen.video import still
@@ -142,48 +138,6 @@ def test_what_povgen_stops_is_not_tried_again(tmp_path):
     assert not (tmp_path / "later" / "1" / TINY.file).stat().st_size
 
 
-@pytest.mark.release
-def test_one_render_does_not_stop_another(tmp_path):
-    """The other render is in another thread, and takes longer than all others."""
-    runner = povray.Runner()
-    with ThreadPoolExecutor() as pool:
-        other = pool.submit(runner.run, to_pov(Chess()), TINY, tmp_path)
-        (process,) = wait_for(lambda: set(runner._running))
-        process.send_signal(signal.SIGSTOP)
-        still.as_file(Chess(sheet="none", z1=7), TINY)
-        next(probes.decoded([probes.Directions(sheet="none")], TINY.size))
-        list(frames.render_all([EMPTY.model_copy(update={"z1": z1}) for z1 in (8, 9)], TINY))
-        assert process.poll() is None  # only halted
-        process.send_signal(signal.SIGCONT)
-        assert other.result(60).name == TINY.file
-
-
-def test_a_render_that_ends_early_waits_for_no_povray(monkeypatch):
-    """It ends no other child process. If it waited for POV-Ray, whose timeout is long, the test would time out."""
-
-    def children():
-        """Return this process's children: other tests may have left drawing processes, which are used again."""
-        return {
-            number
-            for file in Path(f"/proc/{os.getpid()}/task").glob("*/children")
-            for number in file.read_text().split()
-        }
-
-    other = subprocess.Popen(["sleep", "60"])
-    before = children()
-    good = frames.to_pov
-    monkeypatch.setattr(
-        frames, "to_pov", lambda scene, found=None: good(scene) + ("#while (1) #end" if scene.z1 > 10 else "")
-    )
-    scenes = [EMPTY.model_copy(update={"z1": z1}) for z1 in (10, 11, 12, 13)]
-    rendered = frames.render_all(scenes, TINY.model_copy(update={"timeout": 1e4}), 2)
-    next(rendered)
-    rendered.close()
-    assert str(other.pid) in before and children() == before
-    other.kill()
-    other.wait()
-
-
 def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
     """POV-Ray 3.7 fails with this message then. It is started again, because the scene is not at fault."""
     fake = 'case $PWD in */1) echo "$0" >&2; exit 1 ;; *) cp scene.pov frame.png ;; esac'
@@ -191,17 +145,6 @@ def test_a_machine_so_busy_that_povray_does_not_start(monkeypatch, tmp_path):
     monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", fake, message])
     monkeypatch.setattr(povray, "libraries", lambda *_: [*povray.RUN, Path("/usr/bin"), Path("/bin")])
     assert povray.run("scene", TINY, tmp_path).read_text() == "scene"
-
-
-def test_povgens_own_configuration_is_where_povray_looks(monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    show = 'cp "$HOME/.povray/3.7/povray.conf" frame.png'
-    monkeypatch.setattr(povray, "command", lambda *_: ["/bin/sh", "-c", show])
-    monkeypatch.setattr(povray, "libraries", lambda *_: [*povray.RUN, Path("/usr/bin"), Path("/bin")])
-    for folder in (tmp_path / "absolute", Path("relative")):
-        folder.mkdir()
-        assert povray.run("", TINY, folder).read_text().startswith(povray.CONFIG)
-    assert "[Shellout Security]\nforbidden" in povray.CONFIG and "\nrestricted" in povray.CONFIG
 
 
 def test_a_frame_that_fails_stops_a_movie_and_leaves_nothing(monkeypatch, tmp_path):

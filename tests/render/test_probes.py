@@ -6,7 +6,7 @@ from conftest import some
 
 from povgen import PovrayError, Rendering, to_pov
 from povgen.measure import probes
-from povgen.measure.probes import APERTURE, VIEW, Directions, PiecePositions, Positions, locate
+from povgen.measure.probes import APERTURE, VIEW, Directions, PiecePositions, Positions
 from povgen.optics import equations
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
@@ -14,16 +14,6 @@ from povgen.rendering import povray
 from povgen.scene import camera, survey
 
 SIZE = (320, 240)
-
-
-def test_directions_to_16_bits():
-    scene = Directions(sheet="none", eye=0.4 - 0.2j)
-    (decoded,) = probes.decoded([scene], SIZE)
-    inside, direction = camera.rays(scene, SIZE)
-    decoded = decoded[inside]
-    free = ~np.isnan(decoded[:, 0])  # the window frame hides some
-    assert free.mean() > 0.95
-    assert np.linalg.norm(decoded - direction, axis=1)[free].max() < 1e-4
 
 
 def test_positions_to_16_bits():
@@ -47,30 +37,10 @@ def test_a_piece_shows_positions_on_it():
     assert y.min() >= -1e-3 and 1.5 < y.max() < 2 and abs(x).max() < 0.45
 
 
-def test_apparent_position_through_prisms():
-    """Eq. 7, which is for infinitely small prisms, is three pixels of 1280x960 off. Stray light does not matter."""
-    scene = Positions(sheet="detailed", alpha=120, z1=2, L=0.5 + 0.2j, extent=0.4)
-    (decoded,) = probes.decoded([scene], SIZE)
-    inside, _ = camera.rays(scene, SIZE)
-    decoded = decoded[inside][:, 0] + 1j * decoded[inside][:, 1]
-    seen = locate(camera.pixels(scene, SIZE)[inside], decoded, scene.extent)
-    pixel = 3.85 / 960
-    assert abs(seen.position - scene.apparent_position(scene.L, scene.z1)) < 0.5 * pixel
-    ideal = equations.apparent_position(scene.L, 0, 2, 6, np.radians(120))
-    assert 2.5 * pixel < abs(seen.position - ideal) < 4 * pixel
-
-
 def test_a_ray_that_misses_an_edge_does_not_end_povray():
     """If both sheets had exactly the same index, POV-Ray would count no face of such a ray and overflow its stack."""
     scene = Directions(sheet="detailed", prisms=1600, alpha=164.25621174099547, z2=6.242736035399125)
     next(probes.decoded([scene], (640, 480)))
-
-
-def test_a_failing_povray_is_reported(monkeypatch):
-    """Nothing is measured then."""
-    monkeypatch.setattr(povray, "command", lambda *_: ["/bin/false"])
-    with pytest.raises(povray.PovrayError):
-        next(probes.decoded([Directions(sheet="none")], SIZE))
 
 
 def test_a_picture_that_is_cut_off_is_refused(tmp_path):
@@ -84,42 +54,18 @@ def test_a_picture_that_is_cut_off_is_refused(tmp_path):
             probes._read(picture)
 
 
-@pytest.mark.parametrize("sheet", ["detailed", "single"])
-def test_few_prisms_agree_with_the_ray_trace(sheet):
-    """Sheets of few prisms are deep: up to 20 tiles, eight times the width of the window."""
-    alphas = (66, 0, -120, 180, 35)
-    scenes = []
-    for prisms in range(1, 13):
-        deep = Prism(APERTURE / prisms).thickness(2 if sheet == "detailed" else 1)
-        values = {"alpha": alphas[prisms % 5], "z2": 0.6 * deep + 1, "eye": 0.1j * (prisms % 3)}
-        scenes.append(Directions(sheet=sheet, prisms=prisms, **values))
-    stray = []
-    for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
-        inside, direction = camera.rays(scene, (160, 120))
-        found = scene.trace(camera.along(scene, direction))
-        off = np.linalg.norm(decoded[inside] - found.direction, axis=1)
-        shown = (found.end <= End.BACK) & (found.count < survey.max_trace_level(scene))
-        assert found.designed.sum() > 500 and (off[found.designed] < 1e-3).all(), scene
-        stray.extend(off[shown & ~found.designed] < 1e-3)
-        ended = found.end == End.FRAME
-        assert ended.sum() > 100 and np.isnan(off[ended]).mean() > 0.99, scene
-    assert len(stray) > 1000 and np.mean(stray) > 0.998
-
-
 def test_prisms_of_any_shape_agree_with_the_ray_trace():
-    """At the ends of the ranges, and with eyes at their ends."""
+    """At the ends of the ranges, and with eyes at their ends. Sheets of few prisms are deep: up to 20 tiles."""
     shapes = [
+        *({"sheet": "single", "prisms": n, "z2": 0.6 * Prism(APERTURE / n).thickness(1) + 1} for n in (1, 5)),
+        *({"prisms": n, "z2": 0.6 * Prism(APERTURE / n).thickness(2) + 1, "eye": 0.1j} for n in (1, 4, 12)),
         {"index": 1.1, "base_angle": 75, "z2": 30, "alpha": 20},
-        {"index": 4, "base_angle": 75, "gap": 0.001},
         {"index": 4, "base_angle": 15, "aspect": 1.96, "eye": (10, -10)},
-        {"aspect": 0.47, "gap": 0.5, "aperture": 0.5, "view": 0.8, "prisms": 3000},
         {"aspect": 1.99, "aperture": 10, "view": 16, "eye": (-10, 10)},
-        {"index": 1.7, "base_angle": 35, "aspect": 0.9, "sheet": "single", "view": 0.1},
         {"error": {"turn": 2, "tilt_x": 3, "tilt_y": -2, "far_tilt_x": -1, "far_tilt_y": 2, "separation": 0.1}},
         {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3, "turn": 1}},
         {"prisms": 30, "error": {"facets": 1, "seed": 5, "tilt_x": 1}},
         {"prisms": 12, "alpha": 30, "z2": 9, "error": {"tilt_x": 9, "far_tilt_y": -9}},
-        {"prisms": 31, "aspect": 1.3, "error": {"facets": 0.5, "far_base_angle": 4}},
         {"prisms": 30, "error": {"pitches": 0.05, "seed": 2}},
         {"prisms": 41, "aspect": 0.7, "error": {"pitches": 0.03, "facets": 0.3, "tilt_y": 1}},
     ]
@@ -171,9 +117,7 @@ NEAR = {"z2": 150, "eye": (10, 5), "view": 0.1}  # rays of one pixel differ by 1
     "values",
     [
         {"sheet": "lens", "focal_length": 4, "z2": 4},
-        {"sheet": "lens", "focal_length": 4, "z2": 4.00001, "eye": (1, 0.5)},
         {"sheet": "law", "law": "0.3, -0.1, 1"},
-        {"sheet": "ideal", "alpha": 66, **NEAR},
         {"sheet": "ideal", "alpha": 40, "window": "alpha=26,z=2", **NEAR},
     ],
 )
@@ -215,14 +159,3 @@ def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
     """
     scene = to_pov(Directions(sheet="ideal", eye=3 + 8j))
     povray.run(scene + check, Rendering(size=size, antialias="off"), tmp_path)
-
-
-@pytest.mark.parametrize("aperture", some([0.5, 3, 0.6, 0.75, 1], 2))
-def test_the_window_frame_ends_at_its_back(aperture, tmp_path):
-    check = """
-    #for (K, 1, 5)
-      #if (Section[K][1] < Section[K - 1][1] | Section[K][1] > FrameDepth/2) #error "behind its back" #end
-    #end
-    """
-    scene = to_pov(Directions(sheet="ideal", aperture=aperture))
-    povray.run(scene + check, Rendering(size=(32, 32), antialias="off"), tmp_path)

@@ -1,7 +1,6 @@
 """The record in a file: how it was made. With it the same picture is made again, and a stranger's file does no harm."""
 
 import base64
-import io
 import json
 import os
 import struct
@@ -21,7 +20,6 @@ from povgen.rendering import povray
 from povgen.scene import mesh, pictures
 from povgen.scene import recorded as recorded_scenes
 from povgen.scene.scenes import SCENES as SCENE_CLASSES
-from povgen.scene.scenes import recorded
 from povgen.version import __version__
 from povgen.video import still
 
@@ -246,12 +244,9 @@ def test_a_strangers_record_is_checked(made, tmp_path):
     ("changes", "words"),
     [
         ({"frames": [1] * 30_001}, "'frames': 30001 values; allowed: up to 30000"),
-        ({"pieces": dict.fromkeys(map(str, range(30_001)))}, "'pieces': 30001 values; allowed: up to 30000"),
         ({"pictures": dict.fromkeys("abcde", "")}, "'pictures': 5 values; allowed: up to 4"),
         ({"rendering": {"size": [[]] * 1001}}, "'size': 1001 values; allowed: up to 1000"),
-        ({"frame": {"x": ["a"] * 1001}}, "'x': 1001 values"),
         ({"frame": {"window": [{"parameter": dict.fromkeys(map(str, range(1001)))}]}}, "'parameter': 1001 values"),
-        ({"frame": dict.fromkeys(map(str, range(1001)))}, "'frames': 10"),
         (dict.fromkeys(map(str, range(1001))), "'record': 1010 values"),
     ],
 )  # fmt: skip
@@ -319,12 +314,8 @@ def test_files_without_a_record(tmp_path):
     (tmp_path / "empty.mp4").write_bytes(b"")
     for name in ("plain.png", "plain.gif", "text.png", "empty.mp4"):
         assert refused(["info", name], tmp_path).startswith(f"povgen: '{name}': without a record of how it was made")
-    os.mkfifo(tmp_path / "fifo.png")
-    for name, reason in (("fifo.png", "no regular file"), (".", "no regular file"), ("?", "No such file"), ("a\0", "")):
-        with pytest.raises(
-            InputError, match=f"{reason}.*; allowed: a PNG, EXR, MP4, WebM, WebP or GIF file that povgen wrote"
-        ):
-            info(tmp_path / name)
+    with pytest.raises(InputError, match="No such file.*; allowed: a PNG, EXR, MP4, WebM, WebP or GIF file"):
+        info(tmp_path / "?")
 
 
 def test_a_record_that_is_too_large_is_refused_before_anything_is_rendered(tmp_path, monkeypatch):
@@ -333,21 +324,6 @@ def test_a_record_that_is_too_large_is_refused_before_anything_is_rendered(tmp_p
     (tmp_path / "mine.inc").write_text(PIECE + "// " + 2000 * "-")
     said = refused(["frame", "chess", "--piece", "mine.inc"], tmp_path)
     assert "frames: the record of how the file was made has 0.0 MiB with the text of all pieces; allowed: " in said
-
-
-def test_a_png_file_with_other_parts(tmp_path):
-    """Only pixels are taken from the file that the renderer wrote."""
-    data = io.BytesIO()
-    Image.new("RGB", (32, 32)).save(data, "PNG", dpi=(72, 72))
-    save(Chess(sheet="none"), tmp_path / "a.png", **SMALL)
-    png = records.in_png(data.getvalue(), info(tmp_path / "a.png"))
-    with Image.open(io.BytesIO(png)) as image:
-        assert image.info.keys() == {"srgb", "gamma", "povgen"} and image.load()
-
-
-def test_the_class_is_found(made):
-    _, (scene,) = recorded(made / "a.png")
-    assert type(scene) is Chess and scene == SCENES[0]
 
 
 def test_options_in_place_of_what_the_record_says(tmp_path):
@@ -378,13 +354,3 @@ def test_the_bits_of_what_is_made_again(tmp_path):
     assert povgen(["frame", "--from", "b.exr", "-o", "c.png"], tmp_path)[0] == 0
     assert info(tmp_path / "c.png").rendering.bits == 8
     assert "bits = 16: an EXR file has 32" in refused(["frame", "--from=a.png", "--bits=16", "-o=c.exr"], tmp_path)
-
-
-def test_a_file_in_the_home_folder(tmp_path, monkeypatch):
-    """A shell leaves ~ as it is after --from=."""
-    monkeypatch.setenv("HOME", str(tmp_path))
-    save(Chess(sheet="none"), "~/a.png", **SMALL)
-    assert info("~/a.png") == info(tmp_path / "a.png")
-    again = ["frame", "--from=~/a.png", "-o"]
-    assert povgen([*again, "b.png"], tmp_path)[0] == 0
-    assert "povgen reads this file" in refused([*again, "a.png"], tmp_path)

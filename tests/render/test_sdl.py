@@ -13,7 +13,7 @@ from povgen import Chess, Spheres, to_pov
 from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.scene import materials, sdl
 from povgen.scene.pieces import PIECES
-from povgen.scene.sdl import TEMPLATES, Mosaic, origin_of
+from povgen.scene.sdl import TEMPLATES, Mosaic
 
 SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror", "lenticular", "profile")
 
@@ -58,13 +58,6 @@ def test_everything_declared_is_used(scene):
     assert "#include" not in code
 
 
-# For a system without POV-Ray's include files: names that they declare, and words that others are likely to declare
-SOME_NAMES = set(
-    "Axes Black Blue Cube Dark Edge Far Glass Gray Green Height Index Length Light Lower Orange Past Points Ray Red "
-    "Shiny Sphere Start Texture Up Upper Violet White".split()
-)
-
-
 def names_in(files):
     """Return the global names of POV-Ray's include files, and the names of their local variables."""
     text = "\n".join(file.read_text("latin-1") for file in files)
@@ -81,28 +74,12 @@ def test_no_name_is_also_one_of_povrays_include_files():
     code = "".join(code_of(scene, part) for scene in scenes() for part in (None, mosaic))
     values, macros = (set(re.findall(rf"#{kind}\s+(\w+)", code)) for kind in ("declare", "macro"))
     assert len(values) > 40 and len(macros) > 10
-    assert not (values | macros) & SOME_NAMES
     folders = [Path(base) for base in ("/usr/share", "/usr/local/share")]
     if files := [file for folder in folders for file in folder.glob("povray*/include/*.inc")]:
         declared, local = names_in(files)
         assert {"Red", "Reorient_Trans"} <= declared and "Up" in local
         assert not (values | macros) & declared
         assert not macros & local
-
-
-def test_another_macro_for_the_sheets():
-    macro = "#macro Sheet(Angle, Centre) sphere { Tile*Centre*z, Tile*Pitch rotate Angle*z } #end"
-    own, other = to_pov(Chess()), to_pov(Chess(), sheet_macro=macro)
-    assert macro in other and "interior {" in own and "interior {" not in other
-    assert own.startswith(other[: other.index(macro)])
-    assert own.endswith(other[other.index(macro) + len(macro) :].lstrip())
-
-
-def test_no_sheet_where_there_is_none():
-    assert "ior" not in to_pov(Chess(sheet="none"))
-    assert "ior" not in to_pov(Chess(sheet="ideal"))
-    assert "mesh_camera" not in to_pov(Chess(sheet="detailed"))
-    assert "Alpha" not in to_pov(Chess(sheet="none"))
 
 
 @pytest.mark.parametrize("sheet", SHEETS)
@@ -123,19 +100,6 @@ def test_parameters_name_their_unit():
                 assert line.endswith("tiles")
             if re.match(r"#declare (Alpha|BaseAngle)\b", line):
                 assert "degrees" in line
-
-
-def test_the_origin_of_a_line():
-    scene = Chess(piece="king")
-    text = to_pov(scene)
-    lines = text.splitlines()
-    for part, template in (
-        ("interior {", "sheets.pov.j2"),
-        ("// the cross", "pieces/king.pov.j2"),
-        ("checker", "floor.pov.j2"),
-    ):
-        number = next(n for n, line in enumerate(lines, 1) if part in line)
-        assert origin_of(scene, text, number) == (template, None)
 
 
 def test_every_part_begins_with_its_name():
@@ -162,19 +126,16 @@ def written():
     return to_pov(Spheres())
 
 
-@pytest.mark.parametrize("writes", [True, False])
-def test_templates_are_compiled_once(writes, own_templates, monkeypatch):
-    monkeypatch.setattr(sys, "dont_write_bytecode", not writes)
+def test_templates_are_compiled_once(own_templates, monkeypatch):
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
     text, folder = written(), own_templates / "__pycache__"
-    assert folder.exists() == writes
-    if writes:
-        before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
-        assert written() == text
-        assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
-        os.utime(Path(shutil.copy(sdl.__file__, own_templates)), (0, 0))
-        monkeypatch.setattr(sdl, "__file__", str(own_templates / "sdl.py"))  # the module that compiles has changed
-        assert written() == text
-        assert not {path.stat().st_mtime_ns for path in folder.iterdir()} & {*before.values()}
+    before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
+    assert before and written() == text
+    assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+    os.utime(Path(shutil.copy(sdl.__file__, own_templates)), (0, 0))
+    monkeypatch.setattr(sdl, "__file__", str(own_templates / "sdl.py"))  # the module that compiles has changed
+    assert written() == text
+    assert not {path.stat().st_mtime_ns for path in folder.iterdir()} & {*before.values()}
     template = own_templates / "spheres.pov.j2"
     template.write_text(template.read_text() + "// changed\n")
     assert written() == text + "// changed\n"
@@ -184,10 +145,6 @@ def test_no_folder_for_compiled_templates(own_templates, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
     (own_templates / "__pycache__").symlink_to("missing")  # nobody can write there, not even root
     assert written().startswith("//")
-
-
-def test_pieces_are_those_that_have_a_template():
-    assert {path.name.removesuffix(".pov.j2") for path in (TEMPLATES / "pieces").glob("*.j2")} == {*PIECES, "turned"}
 
 
 def test_formulas_and_colour_maps_in_glsl():

@@ -37,13 +37,6 @@ def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
         to_pov(scene, size=3)
 
 
-def test_the_command_makes_the_picture_of_povgen_frame(tmp_path):
-    scene = ["chess", "--sheet", "ideal", "--size", "64x48", "--antialias", "2,0.3,2"]
-    status, source, _ = povgen(["pov", *scene], tmp_path)
-    assert status == 0 and povgen(["frame", *scene], tmp_path)[0] == 0
-    assert (drawn(source, tmp_path) == frames.read_png(tmp_path / "frame.png")).all()
-
-
 @pytest.mark.parametrize("file", ["it's mine.pov", pytest.param("a=b[0].pov", marks=pytest.mark.release)])
 def test_the_command_names_the_file(file, tmp_path):
     options = ["--sheet", "none", "--size", "32x32", "--antialias", "off"]

@@ -13,8 +13,6 @@ from povgen import Chess, to_pov
 from povgen.cli.app import app
 from povgen.errors import InputError
 from povgen.measure import speed
-from povgen.measure.targets import other_targets, series_targets, targets
-from povgen.sheets import OTHER
 
 TABLES = PROJECT / "docs" / "chart"
 
@@ -83,31 +81,3 @@ def test_the_charts_of_the_page_are_drawn_from_their_tables(tmp_path):
     benchmark.draw(tmp_path)
     drawn = {path.name for path in tmp_path.glob("*.png")}
     assert drawn == {"prisms.png", "beyond.png", "workers.png"} | {path.name for path in TABLES.glob("frames-*.png")}
-
-
-@pytest.mark.release
-def test_what_the_page_measures(monkeypatch, tmp_path):
-    for name, value in {
-        "MAIN_SIZE": (80, 60),
-        "SMALL": (240, 180),  # in fewer pixels some squares behind the sheet of kind axis are too small to be found
-        "FLICKER_SAMPLINGS": ("off", "3x"),
-        "FLICKER_ANGLES": (66,),
-        "PRISM_COUNTS": (50, 200),
-        "WORKER_COUNTS": (16,),
-        "ROUNDS": 1,
-        # one or two places of each kind; `povgen verify` measures more of them
-        "targets": lambda sheet, _, **values: targets(sheet, 2, **values),
-        "series_targets": lambda sheet, windows, _, **values: series_targets(sheet, windows, 2, **values),
-        "other_targets": lambda: {sheet: scenes[:2] for sheet, scenes in other_targets().items()},
-    }.items():
-        monkeypatch.setattr(benchmark, name, value)
-    off, finer = (float(flicker) for _, flicker in benchmark.flicker())
-    assert 0 < finer < 0.5 * off
-    (*_, ideal), (*_, few), (*_, many) = benchmark.prisms()
-    assert ideal < 0.05 < many and few == pytest.approx(4 * many, rel=0.2)
-    rows = [*benchmark.beyond()]
-    assert {name for kind, name, *_ in rows if kind == "other ideal sheets"} == {*OTHER}
-    for kind, _, cpu, error in rows:
-        assert cpu > 0 and (0.1 < error < 12 if kind == "detailed" else error < 0.1)
-    ((_, wall, busy, _),) = benchmark.workers()
-    assert wall > 0 and 0 < busy < 1.2

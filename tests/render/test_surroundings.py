@@ -1,23 +1,17 @@
 """Surroundings and floors from pictures, in both renderers."""
 
 import base64
-import gc
-import os
 import pickle
 import re
-import resource
 import struct
 import subprocess
 import sys
 import zlib
-from contextlib import suppress
 from io import BytesIO
 
 import numpy as np
 import pytest
 from conftest import picture, povgen, refused, some
-from hypothesis import given
-from hypothesis import strategies as st
 from PIL import Image, ImageCms
 
 from povgen import Chess, InputError, MovieSpec, Spheres, remedies, render, save, to_pov
@@ -124,13 +118,6 @@ def test_a_photo_is_turned_as_its_exif_data_say(tmp_path):
         exif[0x112] = orientation
         upright.transpose(stored).save(tmp_path / "photo.png", exif=exif)
         assert colours((tmp_path / "photo.png").read_bytes()).tobytes() == upright.tobytes()
-    exif[0x112] = 6
-    high, wide = (4098, 8196), (4096, 8192)
-    Image.new("L", wide).save(tmp_path / "large.png", exif=exif)  # 8192 x 4096 when it is turned
-    assert colours((tmp_path / "large.png").read_bytes()).size == picture_reader.MAX_SIZE
-    Image.new("L", high).save(tmp_path / "large.png", exif=exif)
-    with pytest.raises(ValueError, match="2x2 to 8192x4096"):
-        colours((tmp_path / "large.png").read_bytes())
     upright.save(tmp_path / "damaged.png", exif=b"Exif\0\0MM damaged")
     assert colours((tmp_path / "damaged.png").read_bytes()).tobytes() == upright.tobytes()
 
@@ -203,9 +190,7 @@ def test_light_is_stored_as_a_radiance_file(tmp_path):
     assert (exr(tmp_path / "odd.exr")[0, 0] == (0, 0, hdr.MOST)).all()
 
 
-@pytest.mark.parametrize(
-    ("low", "high"), [((32, 16), (95, 47)), ((-10, -5), (140, 70)), ((100, -8), (131, 23)), ((200, 0), (231, 31))]
-)
+@pytest.mark.parametrize(("low", "high"), [((32, 16), (95, 47)), ((100, -8), (131, 23)), ((200, 0), (231, 31))])
 def test_the_picture_of_an_exr_file_is_its_display_window(low, high, tmp_path):
     """Programs that crop a picture, or render more than is shown, store another window of data."""
     OpenEXR = pytest.importorskip("OpenEXR")
@@ -261,10 +246,7 @@ def test_damaged_light_is_refused(tmp_path, capfd):
         (radiance[:-9], "should be a whole Radiance file"),
         (radiance.replace(b"rgbe", b"xyze"), r"red, green and blue \(32-bit_rle_rgbe\), not '32-bit_rle_xyze'"),
         (plain + b"\n\n-Y 99999 +X 99999\n", "of at most 33554432 pixels"),
-        (plain + b"\n\n-Y 0 +X 0\n", "should be a picture of 2x2 to 8192x4096 pixels, not 0x0"),
-        (plain + b"\n\n-Y 32 +X 64\n" + bytes((2, 2, 0, 64, 0)), "should be a whole Radiance file"),
         (exr[:-9], "should be a whole picture"),
-        (exr[:400] + bytes(99) + exr[499:], "should be a whole picture"),
     ):
         (tmp_path / "own.hdr").write_bytes(data)
         with pytest.raises(InputError, match=said) as caught:
@@ -282,15 +264,6 @@ def test_without_openexr_the_message_says_how_to_get_it(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(tmp_path))
     with pytest.raises(InputError, match=re.escape(f"needs OpenEXR, which is not installed: {remedies.extra('exr')}")):
         Chess(sky=tmp_path / "sky.exr")
-
-
-@given(place=st.floats(0, 1), byte=st.integers(0, 255), end=st.floats(0.1, 1))
-def test_any_radiance_file_is_read_or_refused(place, byte, end):
-    data = bytearray(hdr.written(np.linspace(0, 9, 96, dtype=np.float32).reshape(4, 8, 3)))
-    data[int(place * (len(data) - 1))] = byte
-    with suppress(ValueError):
-        light = hdr.read(bytes(data[: int(end * len(data))]))
-        assert np.isfinite(light).all() and light.min() >= 0
 
 
 def test_what_replaces_what(tmp_path):
@@ -311,23 +284,16 @@ def damaged(tmp_path, data):
 
 def test_what_is_refused(tmp_path):
     path = picture(tmp_path)
-    png = (tmp_path / "picture.png").read_bytes()
     Image.new("RGB", (64, 64)).save(tmp_path / "square.png")
-    Image.new("RGB", (1, 1)).save(tmp_path / "pixel.png")
     Image.new("L", (8, 4)).save(tmp_path / "own.gif")
-    os.mkfifo(tmp_path / "fifo.png")
     Image.new("L", (8194, 4097)).save(tmp_path / "large.png")
     for values, said in (
         ({"sky": tmp_path / "large.png"}, "should be a picture of 2x2 to 8192x4096 pixels, not 8194x4097"),
         ({"sky": tmp_path / "square.png"}, r"twice as wide as high \(equirectangular\), not 64x64 pixels"),
         ({"sky": tmp_path / "no.png"}, "No such file"),
-        ({"sky": tmp_path / "fifo.png"}, "regular file"),
-        ({"sky": damaged(tmp_path, png[:300])}, "should be a whole picture"),
         ({"floor": damaged(tmp_path, b"P6 1 1 255 abc")}, "should be a whole picture: PNG, JPEG, WEBP, TIFF"),
-        ({"floor": tmp_path / "pixel.png"}, "should be a picture of 2x2 to 8192x4096 pixels, not 1x1"),
         ({"floor": tmp_path / "own.gif"}, "should be a whole picture: PNG"),
         ({"floor": f"{path},width=0"}, "should have a width from 0.1 to 1000 tiles, not width=0"),
-        ({"floor": 3}, "floor = 3: should be a picture's file"),
         ({"sky": {"path": "x", "name": '"', "size": (2, 1), "mean": (0, 0, 0)}}, "should be a picture's file"),
     ):
         with pytest.raises(InputError, match=said) as caught:
@@ -349,13 +315,10 @@ def exr_of(path, channels, **header):
 @pytest.mark.parametrize(
     ("chromaticities", "stored", "wanted"),
     [
-        (hdr.SRGB, (0.8, 0.1, 0.1), (0.8, 0.1, 0.1)),
         (AP0, (0.4077147, 0.16267508, 0.11216602), (0.8, 0.1, 0.1)),  # another program's numbers for this colour
         ((*hdr.SRGB[:6], *D50), (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)),  # white stays white
         ((1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1 / 3, 1 / 3), (0.4124 / 0.9505, 0.2126, 0.0193 / 1.089), (1, 0, 0)),  # XYZ
         ((0.3,) * 8, (0.5, 0.5, 0.5), None),
-        ((0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3, 0.0), (0.5, 0.5, 0.5), None),
-        ((np.nan,) * 8, (0.5, 0.5, 0.5), None),
     ],
 )
 def test_primaries_and_white_of_light_are_those_of_srgb(chromaticities, stored, wanted, tmp_path):
@@ -375,15 +338,11 @@ def test_primaries_and_white_of_light_are_those_of_srgb(chromaticities, stored, 
 @pytest.mark.parametrize(
     ("channels", "picture"),
     [
-        ("a.R a.G a.B a.A", ["a.R", "a.G", "a.B"]),
         ("R G B a.R a.G a.B Z", ["R", "G", "B"]),
         ("a.b.R a.b.G a.b.B b.Z b.R", ["a.b.R", "a.b.G", "a.b.B"]),
         ("Y", ["Y", "Y", "Y"]),
-        ("Y A", ["Y", "Y", "Y"]),
         ("Y RY BY", "not BY, RY, Y"),
-        ("R G", "not G, R"),
         ("a.R a.G a.B c.R c.G c.B", "not a.B, a.G, a.R, c.B, c.G, c.R"),
-        ("xR xG xB", "not xB, xG, xR"),
         (" ".join(f"l{k:02}.R" for k in range(40)), "not l00.R, .*, l11.R, ...$"),
     ],
 )
@@ -429,13 +388,9 @@ def test_a_radiance_file_states_where_its_rows_begin(order, by_columns):
 @pytest.mark.parametrize(
     ("stored", "values"),
     [
-        ([(9, 9, 9, 136), (1, 1, 1, 15)], [9] * 16),
         ([(9, 9, 9, 136), (1, 1, 1, 4), (7, 7, 7, 136), (1, 1, 1, 10)], [9] * 5 + [7] * 11),
         ([(9, 9, 9, 136), (1, 1, 1, 15), (1, 1, 1, 1)], [9] * 272),  # a second run has 256 times as many
-        ([(9, 9, 9, 136), (1, 1, 1, 16)], None),  # too many
-        ([(9, 9, 9, 136), (1, 1, 1, 14)], None),
         ([(1, 1, 1, 16)], None),
-        ([(9, 9, 9, 136), *[(1, 1, 1, 255)] * 15], None),
     ],
 )
 def test_run_lengths_of_before_1991(stored, values):
@@ -474,38 +429,12 @@ LINEAR = (b"gAMA", struct.pack(">I", 100000))
 CICP_P3, CICP_SRGB = ((b"cICP", bytes(numbers)) for numbers in ((12, 13, 0, 1), (1, 13, 0, 1)))
 
 
-@pytest.mark.parametrize(
-    ("data", "wanted"),
-    [
-        (png_with((200, 30, 30), icc_profile=exchanged()), (30, 200, 30)),
-        (png_with(200, mode="L", icc_profile=profile_of()), (200, 200, 200)),
-        (png_with((200, 30, 30), CICP_SRGB, icc_profile=exchanged()), (200, 30, 30)),
-        (png_with((200, 30, 30), CICP_P3), "its chunk cICP states other colours"),
-        (png_with((55, 55, 55), LINEAR), (128, 128, 128)),
-        (png_with(55, LINEAR, mode="L"), (128, 128, 128)),
-        (png_with((55, 55, 55), LINEAR, (b"sRGB", b"\0")), (55, 55, 55)),
-        (png_with((55, 55, 55), (b"gAMA", struct.pack(">I", 45455))), (55, 55, 55)),
-        (png_with((55, 55, 55), (b"gAMA", bytes(4))), "a gamma above 0"),
-        (png_with((200, 100, 50), (b"cHRM", P3)), (215, 93, 31)),  # Display P3, by CSS Color 4
-        (png_with((0, 0, 0), icc_profile=b"no profile" * 20), "whose ICC profile is whole"),
-    ],
-    ids=lambda value: "file" if isinstance(value, bytes) else None,  # the date in a profile changes its length
-)
-def test_what_a_png_file_states_about_its_colours(data, wanted):
-    if isinstance(wanted, str):
-        with pytest.raises(ValueError, match=wanted):
-            colours(data)
-    else:
-        assert np.abs(np.subtract(colours(data).getpixel((3, 2)), wanted)).max() <= 2
-
-
 def file_of(picture, kind, **options):
     file = BytesIO()
     picture.save(file, kind, **options)
     return file.getvalue()
 
 
-BITS = b"\2\1\3\0\1\0\0\0"  # the tag of their number in a TIFF file
 GREY = Image.fromarray(np.full((4, 8), 1000, np.uint16))
 LAB = ImageCms.profileToProfile(
     Image.new("RGB", (8, 4), (200, 30, 30)), *map(ImageCms.createProfile, ("sRGB", "LAB")), outputMode="LAB"
@@ -525,6 +454,14 @@ ADOBE = b"Exif\0\0II*\0\x08\0\0\0" + b"".join(
 @pytest.mark.parametrize(
     ("data", "wanted"),
     [
+        (png_with((200, 30, 30), icc_profile=exchanged()), (30, 200, 30)),
+        (png_with(200, mode="L", icc_profile=profile_of()), (200, 200, 200)),
+        (png_with((200, 30, 30), CICP_SRGB, icc_profile=exchanged()), (200, 30, 30)),
+        (png_with((200, 30, 30), CICP_P3), "its chunk cICP states other colours"),
+        (png_with((55, 55, 55), LINEAR), (128, 128, 128)),
+        (png_with((55, 55, 55), LINEAR, (b"sRGB", b"\0")), (55, 55, 55)),
+        (png_with((200, 100, 50), (b"cHRM", P3)), (215, 93, 31)),  # Display P3, by CSS Color 4
+        (png_with((0, 0, 0), icc_profile=b"no profile" * 20), "whose ICC profile is whole"),
         (file_of(GREY, "tiff"), (4, 4, 4)),
         (file_of(GREY, "tiff", tiffinfo={262: 0}), (251, 251, 251)),  # 0 is white
         (
@@ -532,25 +469,24 @@ ADOBE = b"Exif\0\0II*\0\x08\0\0\0" + b"".join(
             (128, 128, 128),
         ),  # 0x803 of 12 bits
         (file_of(LAB, "tiff"), (200, 30, 30)),  # with its profile
-        (file_of(LAB, "tiff", icc_profile=None), (200, 30, 30)),
         (
             file_of(RED, "tiff", tiffinfo={318: (0.3127, 0.329), 319: (0.68, 0.32, 0.265, 0.69, 0.15, 0.06)}),
             (218, 0, 6),
         ),
         (file_of(Image.new("L", (8, 4), 99), "tiff", tiffinfo={339: 2}), "without sign"),
         (file_of(RED, "jpeg", quality=100, icc_profile=exchanged()), (30, 200, 30)),
-        (file_of(RED, "webp", lossless=True, icc_profile=exchanged()), (30, 200, 30)),
-        (file_of(RED, "webp", lossless=True), (200, 30, 30)),
-        (file_of(RED.quantize(), "png", icc_profile=exchanged()), (30, 200, 30)),
         (file_of(RED.convert("CMYK"), "jpeg", quality=100), (200, 30, 30)),
         (file_of(RED.convert("CMYK"), "jpeg", icc_profile=exchanged()), "for its colours, CMYK, not for 'RGB'"),
-        (file_of(RED, "png", icc_profile=profile_of("LAB")), "for its colours, RGB, not for 'Lab'"),
         (file_of(RED, "jpeg", quality=100, exif=ADOBE), (233, 24, 24)),
     ],
     ids=lambda value: "file" if isinstance(value, bytes) else None,  # the date in a profile changes its length
 )
-def test_what_other_files_state_about_their_colours(data, wanted):
-    test_what_a_png_file_states_about_its_colours(data, wanted)
+def test_what_files_state_about_their_colours(data, wanted):
+    if isinstance(wanted, str):
+        with pytest.raises(ValueError, match=wanted):
+            colours(data)
+    else:
+        assert np.abs(np.subtract(colours(data).getpixel((3, 2)), wanted)).max() <= 2
 
 
 TRANSPARENT = np.dstack([np.full((4, 8), 200, np.uint8)] * 2)
@@ -561,7 +497,6 @@ TRANSPARENT[2, 3, 1] = 254
     "data",
     [
         file_of(Image.fromarray(TRANSPARENT), "png"),
-        file_of(Image.fromarray(TRANSPARENT), "tiff"),
         file_of(Image.fromarray(TRANSPARENT).convert("RGBA"), "webp", lossless=True),
         file_of(RED.quantize(), "png", transparency=bytes([9])),
         png_with((7, 8, 9), (b"tRNS", struct.pack(">3H", 7, 8, 9))),
@@ -579,17 +514,6 @@ def test_pixels_can_be_opaque():
     assert colours(png_with((7, 8, 9), (b"tRNS", struct.pack(">3H", 7, 8, 8)))).getpixel((0, 0)) == (7, 8, 9)
 
 
-def test_a_decoder_that_fails_is_a_picture_that_is_not_whole(tmp_path):
-    """Pillow's assertion about a missing palette, say."""
-    start, end = (file_of(RED.quantize(), "png").find(name) for name in (b"PLTE", b"IDAT"))
-    broken = file_of(RED.quantize(), "png")[: start - 4] + file_of(RED.quantize(), "png")[end - 4 :]
-    with pytest.raises(AssertionError):
-        colours(broken)
-    said = "should be a whole picture: PNG, JPEG, WEBP, TIFF; for the sky also HDR and EXR"
-    with pytest.raises(InputError, match=f"^sky = .*: {said}"):
-        Chess(sky=damaged(tmp_path, broken))
-
-
 @pytest.mark.parametrize("limit", some(["MAX_MEMORY = 100 << 20", "MAX_TIME = 1"], 1))
 def test_a_picture_is_decoded_within_limits(limit, tmp_path, monkeypatch):
     """A JPEG file can repeat its last scan: 2000 times, decoding takes many seconds."""
@@ -605,24 +529,3 @@ def test_a_picture_is_decoded_within_limits(limit, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "executable", "/bin/false")  # a process that ends without an answer
     with pytest.raises(InputError, match="should be a picture that needs less time and memory"):
         Chess(sky=picture(tmp_path, (62, 31)))
-
-
-def test_a_full_disk_is_no_fault_of_the_picture(tmp_path):
-    (tmp_path / "a.webp").write_bytes(file_of(Image.effect_noise((64, 32), 90), "webp", quality=1))
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
-    try:
-        with pytest.raises(OSError, match="File too large"):
-            Chess(sky=tmp_path / "a.webp")
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-
-
-def test_decoded_pictures_are_freed(tmp_path):
-    """Those of the last two pictures stay: a movie's frames have the same."""
-    for width in (20, 22, 24, 26):
-        scene = Chess(sky=picture(tmp_path, (width, width // 2)))
-    gc.collect()
-    assert len(pictures._files) <= 2
-    (name,) = pictures.used(to_pov(scene))
-    assert name == scene.sky.file.name

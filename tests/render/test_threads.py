@@ -52,12 +52,6 @@ def test_the_same_pixels(sheet, antialias, tmp_path, threads):
     assert threads == [1, 3, 1, 3]
 
 
-def test_partial_reflection(tmp_path):
-    rendering = Rendering(size=SIZES[0], antialias="1,0.1,2")
-    one, several = (drawn(Chess(fresnel=True), rendering, count, tmp_path / f"{count}") for count in (1, 3))
-    assert (one == several).all()
-
-
 @pytest.mark.parametrize(("part", "expected"), PIECES.items())
 def test_a_piece_whose_pixels_depend_on_their_order(part, expected, tmp_path, threads):
     """POV-Ray has one thread: with several, crand and media differed from run to run, evaluate with 8."""
@@ -88,11 +82,6 @@ def test_a_movie_has_one_thread_for_each_frame(threads, monkeypatch):
     assert threads == [1, 1, 1]
 
 
-def test_a_shard_without_frames():
-    for renderer in ("povray", "gl"):
-        assert list(frames.render_all([], Rendering(renderer=renderer))) == []
-
-
 @pytest.mark.parametrize("renderer", ["povray", "gl"])
 def test_a_shard_fails_if_the_cache_does_not_keep_its_frames(renderer, tmp_path, monkeypatch):
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
@@ -101,14 +90,6 @@ def test_a_shard_fails_if_the_cache_does_not_keep_its_frames(renderer, tmp_path,
     status, out, err = povgen([*sweep, "--shard=1/2", f"--renderer={renderer}"], tmp_path)
     assert (status, out) == (1, "")
     assert "povgen: shard 1/2: frames that the cache does not keep: 2; allowed: a larger cache" in err
-
-
-def test_what_has_been_rendered_is_not_missing(tmp_path, monkeypatch):
-    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
-    scenes, rendering = [Chess(sheet="none", x=x) for x in (0, 1)], Rendering(size=(32, 32))
-    assert frames.missing(scenes, rendering) == 2
-    list(frames.render_all(scenes[:1], rendering))
-    assert frames.missing(scenes, rendering) == 1
 
 
 def test_a_shard_has_the_sampling_of_the_whole_movie(tmp_path, monkeypatch):

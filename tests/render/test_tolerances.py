@@ -200,12 +200,6 @@ def test_sensitivities(found):
     assert np.hypot(found["tilt_x"].displaced, found["tilt_y"].displaced) == pytest.approx(120 / np.sqrt(2), rel=0.02)
 
 
-def test_the_sign_of_a_tilt_is_that_of_a_greater_one_or_of_both():
-    less, more = np.array([2.0, -3.0, 5.0, 0.1]), np.array([1.0, 4.0, 6.0, -0.1])
-    assert tolerance._tilted(less, more) == (2, 4, 6, -0.1)
-    assert tolerance._tilted(more, less) == (2, -4, 6, 0.1)
-
-
 @pytest.mark.parametrize("aside", [0, 3])
 def test_a_blur_is_an_angle_at_the_eye(aside):
     scene = Chess(eye=(aside, aside), z2=6)
@@ -216,11 +210,6 @@ def test_a_blur_is_an_angle_at_the_eye(aside):
     assert tolerance._blur_angle(scene, seen) == pytest.approx(np.sqrt(np.mean(angles**2)), rel=1e-3)
 
 
-def test_sensitivities_of_errors_at_the_end_of_their_range():
-    wrong = FINE.replace(error={"turn": 10, "index": -0.1})
-    assert tolerance.sensitivities(wrong)["turn"].turned == pytest.approx(1, abs=0.05)
-
-
 def test_sensitivities_where_the_scene_allows_only_smaller_errors():
     """A tilted sheet would reach the knight, or facets would cross."""
     found = tolerance.sensitivities(Chess(alpha=90, z1=0.6))
@@ -228,20 +217,6 @@ def test_sensitivities_where_the_scene_allows_only_smaller_errors():
     assert tolerance._moved(Chess(aspect=0.48), "base_angle", -1).error == {"base_angle": -0.5}
     with pytest.raises(InputError, match="error: tilt_x: the scene allows neither less nor more of it"):
         tolerance.sensitivities(Chess(prisms=20, z1=1.0818))
-
-
-def test_random_builds_of_a_scene_with_an_error():
-    wrong = FINE.replace(error={"turn": 1})
-    change = tolerance.builds(wrong, tolerance.drawn(wrong, tolerance.Spread(deviation={"turn": 0.01}, builds=5)))
-    assert (change.turned < 0.05).all() and (change.displaced < 0.2).all()
-
-
-def test_random_builds_do_not_depend_on_the_order_of_the_errors():
-    one, other = (
-        tolerance.Spread(deviation={name: 0.1 for name in names}, builds=2)
-        for names in (("turn", "tilt_x"), ("tilt_x", "turn"))
-    )
-    assert tolerance.drawn(FINE, one) == tolerance.drawn(FINE, other)
 
 
 def test_random_builds_agree_with_the_sensitivities(found):
@@ -268,8 +243,6 @@ def test_the_chart_of_builds_counts_those_that_are_seen(figures, tmp_path):
     ax = figures[0].axes[0]
     assert sum(bar.get_height() for bar in ax.patches) == 99 and ax.get_ylabel() == "builds, of 100; not seen: 1"
     assert [text.get_text() for text in ax.get_legend().texts] == ["50 %: at most 0.51", "95 %: at most 0.96"]
-    for words in ("each facet turned: 0.05°", "far apart: 0.05 tiles", "height wrong, as a part of it: 0.05"):
-        assert words in figures[0].get_supxlabel()
     rows = (tmp_path / "builds.csv").read_text("utf-8").splitlines()
     assert rows[1] == '"displaced, arcminutes",0.01' and rows[-1] == '"turned, degrees",nan'
     charts.save_builds(tolerance.Change(*np.full((4, 5), np.nan)), {"turn": 0.1}, tmp_path / "builds.png")
@@ -300,20 +273,15 @@ def test_the_chart_of_errors_has_a_bar_for_each(figures, tmp_path):
         (lambda: Chess(error={"x": 1}), "error = {'x': 1}: should be 'turn', 'tilt_x'"),
         (lambda: Chess(error="tilt_x=11"), "error: tilt_x = 11; allowed: -10 to 10 degrees"),
         (lambda: Chess(error="separation=-0.1"), "error: separation = -0.1; allowed: 0 to 10 tiles"),
-        (lambda: Chess(error="facets=nan"), "error"),
         (lambda: Chess(aspect=0.48, error="base_angle=-8"), "error: slanted facets would cross"),
-        (lambda: Chess(aspect=0.48, error="facets=1"), "error: slanted facets would cross"),
         (lambda: Chess(aspect=0.5, error="pitches=0.04"), "error: slanted facets would cross"),
         (lambda: Chess(error="pitches=0.06"), "error: pitches = 0.06; allowed: 0 to 0.05"),
         (lambda: Chess(index=1.1, error="far_index=-0.1"), "error: the far sheet would have index = 1; allowed: above"),
-        (lambda: Chess(index=1.1, error="index=-0.1"), "error: the near sheet would have index = 1; allowed: above 1"),
         (lambda: Chess(error="seed=1.5"), "error: seed = 1.5; allowed: a whole number"),
         (lambda: Chess(error="turn=1", window="z=2"), "only for a single window"),
         (lambda: Chess(error="pitch=0.01"), "error: pitch = 0.01; allowed for prisms: turn, tilt_x"),
         (lambda: Chess(sheet="lenticular", error="turn=1"), "turn = 1; allowed for lenses: pitch, far_pitch"),
         (lambda: Chess(sheet="lenticular", error="far_pitch=0.2"), "error: far_pitch = 0.2; allowed: -0.1 to 0.1"),
-        (lambda: Chess(sheet="lenticular", error="pitch=nan"), "error"),
-        (lambda: Chess(sheet="lenticular", error="pitch=0.01", window="z=4"), "only for a single window"),
         (lambda: Chess(sheet="lenticular", f_number=1.5, error="pitch=0.1"), "more than a semicircle"),
         (lambda: check_gl(Chess(sheet="lenticular", error="pitch=0.01")), "the renderer gl draws lenses of one pitch"),
         (lambda: values(Chess(sheet="lenticular", error="pitch=0.01")), "the live view shows sheets that are built"),
@@ -322,13 +290,7 @@ def test_the_chart_of_errors_has_a_bar_for_each(figures, tmp_path):
             "windows: 1, sheet = 'ideal'; allowed: one window, sheet = 'detailed'",
         ),
         (lambda: tolerance.Spread(deviation=["turn=2"]), "deviation: turn = 2; allowed: greater than 0, up to 1"),
-        (
-            lambda: tolerance.Spread(deviation="pitches=0.5"),
-            "deviation: pitches = 0.5; allowed: greater than 0, up to 0.05",
-        ),
         (lambda: tolerance.Spread(deviation={"turn": -1}), "deviation = {'turn': -1}: should be greater than"),
-        (lambda: tolerance.Spread(deviation={"turn": 0}), "deviation = {'turn': 0}: should be greater than 0"),
-        (lambda: tolerance.Spread(builds=0), "builds = 0"),
         (
             lambda: tolerance.sensitivities(Chess(alpha=180, z1=6, z2=6)),
             "the eye does not see the object on the designed path",
@@ -336,10 +298,6 @@ def test_the_chart_of_errors_has_a_bar_for_each(figures, tmp_path):
         (
             lambda: tolerance.drawn(Chess(x=10), tolerance.Spread()),
             "the eye does not see the object on the designed path",
-        ),
-        (
-            lambda: tolerance.Spread(deviation="index=0.03"),
-            "deviation: index = 0.03; allowed: greater than 0, up to 0.025",
         ),
         (
             lambda: tolerance.drawn(FINE.replace(error="index=0.09"), tolerance.Spread(deviation={"index": 0.02})),

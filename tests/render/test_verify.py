@@ -10,8 +10,7 @@ from conftest import povgen, refused
 
 from povgen.measure import compare, probes, rounding, stability, verify, verify_gl
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import drawn
-from povgen.measure.stability_map import RENDERED, StabilityMap, draw_map, save_maps
+from povgen.measure.stability_map import RENDERED, StabilityMap, save_maps
 from povgen.measure.targets import targets
 from povgen.optics import equations
 from povgen.optics.trace import End
@@ -266,26 +265,6 @@ def test_maps_are_drawn_and_tabled(all_maps, tmp_path):
     assert rows[0] == ["series", "predicted upper bound of the error (px)", error]
     assert len(rows) == 5 and len(found) == (11 if all_maps else 1)
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
-
-
-def test_a_map_marks_the_limits(tmp_path):
-    for rising, shaded in ((True, (3, 100)), (False, (1, 3))):
-        measured = StabilityMap("name", "title", "x", "y", 1.0, "x")
-        for n in range(2):
-            for name in (f"N = {n}", f"N = {n}{RENDERED}"):
-                measured.add(name, 1, 0.1)
-                measured.add(name, 100, 2 + n)
-            measured.limit("ideal", f"N = {n}", 3, rising=rising)
-        with drawn(8, 5, tmp_path / "map.png") as figure:
-            ax = figure.subplots()
-            draw_map(ax, measured)
-            (span,) = ax.patches
-            left, right = ax.get_xlim()
-            across = span.get_patch_transform().transform(span.get_path().vertices)[:, 0]
-            ends = (shaded[0], right) if rising else (left, shaded[1])
-            assert (across.min(), across.max()) == pytest.approx(ends)
-            names = [text.get_text() for text in ax.get_legend().texts]
-            assert names == ["N = 0", "N = 1", "allowed: 1", "beyond povgen's limit, 3"]
 
 
 def test_rounding_decides_for_few_rays():

@@ -99,12 +99,6 @@ def test_movies_for_two_eyes(tmp_path):
 LINE = ["--size=32x32", "--antialias=off", "--stereo=pair"]
 
 
-def test_the_place_of_an_eye_has_no_rounding_error(tmp_path):
-    assert "for one of the two eyes, eye = (10.05, 0.0): 10.05 should be" in refused(
-        ["frame", "chess", "--eye=9.95,0", *LINE], tmp_path
-    )
-
-
 def test_messages_count_pictures_not_the_frames_that_they_are_composed_of(tmp_path, monkeypatch):
     narrow = ["--z2=0.5", "--prisms=30", "--view=0.1", "--background=transparent"]
     error = povgen(["frame", "chess", *narrow, *LINE], tmp_path)[2]

@@ -3,9 +3,6 @@
 import base64
 import json
 import lzma
-import re
-import sys
-import threading
 import zlib
 
 import numpy as np
@@ -15,7 +12,6 @@ from conftest import run_povgen, some
 from povgen import InputError, PovrayError
 from povgen.rendering import cache, povray, volumes
 from povgen.scene.pieces import PIECES, PieceFile
-from povgen.scene.sdl import to_crossings
 
 
 def stored(volume):
@@ -119,9 +115,6 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
     made = volumes.volumes(pieces)
     ((_, _, kept),) = cache.by_last_use()
     assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("0 frames, 1 ray traces and pieces, ")
-    (light := kept.with_suffix(".light")).touch()
-    assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("1 frame, 1 ray traces and pieces, ")
-    light.unlink()
     whole = kept.read_bytes()
     kept.write_bytes(whole[:-9])
     assert volumes.volumes(pieces) == made and kept.read_bytes() == whole
@@ -150,16 +143,6 @@ def test_a_piece_with_too_many_surfaces_is_refused(monkeypatch):
         own("sphere { 0.35*y, 0.35 }")
 
 
-def test_a_pieces_names_are_its_own():
-    """Whatever it declares, it has the same shape. As in the scene, objects beside the declared one belong to it."""
-    names = set(re.findall(r"\b[A-Z]\w*", to_crossings("pawn", volumes.GRID, 0.5, "x"))) - {"Piece"}
-    assert {"Grid", "Limit", "Line", "Crossings", "Voxel", "J", "Axis"} <= names
-    kinds = ("#declare {} = <90, 200, 90>;", "#macro {}() 5 #end", "#for ({}, 0, 1) #end", '#declare {} = "a";')
-    declared = "".join(kinds[n % 4].format(name) for n, name in enumerate(sorted(names)))
-    spheres = "sphere { 0.2*y, 0.2 }", "sphere { 0.7*y, 0.2 }"
-    assert own(f"{spheres[0]} {declared} {spheres[1]}") == own(f"union {{ {spheres[0]} {spheres[1]} }}")
-
-
 @pytest.mark.parametrize(
     ("text", "timeout", "said"),
     [
@@ -171,32 +154,3 @@ def test_an_error_names_the_piece_and_its_line(text, timeout, said):
     with pytest.raises(PovrayError, match=said) as error:
         volumes.volumes({"it": PieceFile("ow\x1bn.inc", f"#declare Piece = {text}\n")}, timeout=timeout)
     assert str(error.value).endswith("\n  in the shape of the piece 'ow\\x1bn.inc'")
-
-
-def test_as_many_pieces_are_measured_at_once_as_there_are_workers(monkeypatch, tmp_path, capsys):
-    monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
-    two, more, running = threading.Barrier(2), threading.Event(), []
-    around_a_point = "".join(f"{axis},30,30,{place}\n" for axis in range(3) for place in (29.5, 30.5))
-
-    def run(runner, source, rendering, folder):
-        running.append(folder)
-        if len(running) > 2:
-            more.set()
-        more.wait(0.2)
-        two.wait(100)
-        running.remove(folder)
-        (folder / povray.DATA).write_text(f"0,0,0,1\n{around_a_point}")
-        return folder / "frame.png"
-
-    monkeypatch.setattr(povray.Runner, "run", run)
-    own = {f"{n}": PieceFile(f"{n}.inc", f"#declare Piece = sphere {{ {n / 10 + 0.1}*y, 0.1 }}\n") for n in range(6)}
-    assert [*volumes.volumes(own, workers=2, progress=True)] == [*own]
-    assert not more.is_set()
-    assert capsys.readouterr().err.splitlines()[-1] == "shapes: 6/6 pieces"
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    volumes.volumes(own, progress=True)
-    assert not capsys.readouterr().err  # all are in the cache: there is nothing to wait for
-
-
-def test_the_probe_says_what_it_is():
-    assert "the text of 'own.inc'" in to_crossings(PieceFile("own.inc", "sphere"), volumes.GRID, 0.5, "x")
