@@ -71,6 +71,7 @@ def test_a_failed_sequence_leaves_nothing(tmp_path, monkeypatch):
     ("call", "words"),
     [
         (lambda: render("chess"), ["scene = 'chess'", "Chess(...)"]),
+        (lambda: to_pov("chess"), ["scene = 'chess'"]),
         (lambda: render(SCENE, size=(1, 1)), ["size = (1, 1)"]),
         (lambda: show(SCENE, sise=(32, 32)), ["'sise': unknown", "size"]),
         (lambda: save(SCENE, "a.jpg"), ["output = 'a.jpg'", ".png"]),
