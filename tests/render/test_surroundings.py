@@ -460,6 +460,8 @@ ADOBE = b"Exif\0\0II*\0\x08\0\0\0" + b"".join(
         (png_with((200, 30, 30), CICP_P3), "its chunk cICP states other colours"),
         (png_with((55, 55, 55), LINEAR), (128, 128, 128)),
         (png_with((55, 55, 55), LINEAR, (b"sRGB", b"\0")), (55, 55, 55)),
+        (png_with((55, 55, 55), (b"gAMA", struct.pack(">I", 45455))), (55, 55, 55)),
+        (png_with((55, 55, 55), (b"gAMA", bytes(4))), "a gamma above 0"),
         (png_with((200, 100, 50), (b"cHRM", P3)), (215, 93, 31)),  # Display P3, by CSS Color 4
         (png_with((0, 0, 0), icc_profile=b"no profile" * 20), "whose ICC profile is whole"),
         (file_of(GREY, "tiff"), (4, 4, 4)),
