@@ -30,9 +30,7 @@ def test_a_spec_with_another_number_of_frames(tmp_path):
     ("options", "words"),
     [
         (["chess", "--sweep", "alpha"], ["sweep = 'alpha': allowed: NAME=START:STOP"]),
-        (["chess", "--sweep", "z2=6:0.05"], ["frame 61 of 61: z2 = 0.05", "window frame"]),
         (["chess", "--sweep", "alpha=0:9", "--alpha", "3"], ["alpha = '3': also swept; allowed: one value or a sweep"]),
-        (["chess", "--sweep", "alpha=0:9", "--frames", "1"], ["frames = '1'", "2 to 10000"]),
         (["chess", "--sweep", "prisms=1.2:1.4"], ["prisms: all values equal after rounding, nothing would"]),
         (["chess", "--sweep", "alpha=0:9,z1=2:3"], ["stop = '9,z1=2': ", "; give --sweep once for each value\n"]),
         (["chess", "--frames", "5"], ["chess: a scene, no movie spec; allowed: with sweeps"]),

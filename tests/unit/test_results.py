@@ -132,7 +132,6 @@ def test_scenes_of_ones_own(monkeypatch):
     [
         (lambda: results(SCENES), "no quantity; allowed: x, y, nu, M"),
         (lambda: results(SCENES, "nix"), "quantity = 'nix'; allowed: x, y"),
-        (lambda: results(SCENES, ["nu"]), "quantity = ['nu']; allowed: x, y"),
         (lambda: results(None, "nu"), "scene = None: should be a scene"),
         (lambda: results(SCENES, "M", scheduler="x"), "scheduler = 'x'"),
     ],

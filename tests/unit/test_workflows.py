@@ -4,7 +4,6 @@ import re
 import subprocess
 import tomllib
 
-import pytest
 from conftest import PROJECT
 
 WORKFLOWS = sorted((PROJECT / ".github" / "workflows").glob("*.yml"))
@@ -33,10 +32,3 @@ def test_every_python_that_povgen_is_for_is_tested():
     (block,) = re.findall(r"python-version: \|\n((?: +3\.\d+\n)+)", TEXT)
     classifiers = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]["classifiers"]
     assert sorted(block.split()) == [found[1] for text in classifiers if (found := re.search(r":: (3\.\d+)$", text))]
-
-
-@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
-def test_a_job_has_only_the_permissions_that_it_names(path):
-    text = path.read_text()
-    assert "\npermissions: {}\n" in text
-    assert text.count("runs-on:") == text.count("\n    permissions:\n") == text.count("timeout-minutes:")
