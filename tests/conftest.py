@@ -253,25 +253,8 @@ def browser():
 
 
 # The modules of the page whose exports are global names in Node.
-EXPORTED = (
-    *(
-        "apparent",
-        "equations",
-        "numbers",
-        "text",
-        "address",
-        "state",
-        "moment",
-        "contents",
-        "questions",
-        "beyond",
-        "qr",
-    ),
-    *("rays", "trace"),
-)
-
-
-MODULES = [f"{path}.js" for path in ("liveview/geometry", "liveview/sheets", *(f"page/{name}" for name in EXPORTED))]
+EXPORTED = "apparent equations numbers text address state moment contents questions beyond qr rays trace"
+MODULES = ["liveview/geometry.js", "liveview/sheets.js", *(f"page/{name}.js" for name in EXPORTED.split())]
 
 
 class Node:

@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
-from graphlib import CycleError
 from pathlib import Path
 
 import numpy as np
@@ -93,9 +92,7 @@ def test_the_light_in_the_window_is_that_of_the_survey(page):
     """The fractions on the designed path, and of stray light. Without prisms, there are none to say."""
     for values in (
         {},
-        {"prisms": 10, "z1": 4},
         {"prisms": 5, "z1": 6},
-        {"alpha": 1},
         {"z2": 1.5},
         {"sheet": "single", "prisms": 20},
     ):
@@ -109,27 +106,6 @@ def test_the_light_in_the_window_is_that_of_the_survey(page):
     page.evaluate("change", {"windows": 2, "sheet": "lens", "sheet2": "detailed"})
     light = "(focal_length) => { change({ focal_length }); return lightInWindow(moment()); }"
     assert page.evaluate(light, 4)["designed"] > page.evaluate(light, -0.5)["designed"] + 0.1  # found anew
-
-
-@pytest.mark.parametrize("sheet", ["ideal", "detailed", "lens", "axis"])
-def test_light_from_the_object_runs_the_eyes_rays_back(page, sheet):
-    """A ray that is followed from its end against its direction returns to the point from which it came."""
-    found = page.evaluate(
-        """(sheet) => {
-          change({ sheet, prisms: 30, windows: sheet === "ideal" ? 2 : 1 });
-          const now = moment(), eye = [...now.E, -now.z2], rays = [];
-          for (const target of [[0.2, 0.1], [-0.4, 0.3], [0.31, -0.52]]) {
-            const there = traced(now, eye, [...target, now.z2]);
-            if (there.kind !== "designed") continue;
-            const back = traced(now, at(there, 9), there.direction.map((x) => -x));
-            rays.push([back.kind, ...at(back, -now.z2).map((x, k) => x - eye[k])]);
-          }
-          return rays;
-        }""",
-        sheet,
-    )
-    assert found and all(kind == "designed" for kind, *_ in found)
-    assert np.array([off for _, *off in found]) == pytest.approx(0, abs=1e-6)
 
 
 @pytest.mark.parametrize("degrees", [30, 70, 80, 87])
@@ -200,9 +176,7 @@ def test_positions_behind_other_sheets_are_those_of_python(page):
     Also where the path that is the nearest to the middle of the first window misses the second one.
     """
     marks = Spheres(sheet="axis", axis=(0, -0.7, -0.6), alpha=180, z2=1, eye=(0, -1.5), line=(0, 2.6), z1=3)
-    linear = [Spheres(sheet=sheet, ratio=1.3, alpha=100, eye=(0.3, 0.2)) for sheet in KINDS]
-    cases = [(scene, L, 2.0, 0.0) for scene in linear for L in (0.3 - 1j, 2 + 1j)]
-    wanted = [complex(scene.apparent_position(L, z1)) for scene, L, z1, _ in cases]
+    cases, wanted = [], []
     for scene, points, _ in seen_through_other_sheets(np.random.default_rng(9), 25):
         cases += [(scene, L, scene.z1, 0.0) for L in points]
         wanted += [*scene.apparent_position(points, scene.z1)]
@@ -220,26 +194,6 @@ def test_positions_behind_other_sheets_are_those_of_python(page):
     place = complex(*given.pop())
     assert abs(place - complex(marks.apparent_position(marks.L, 3, near=marks.radii[0]))) < 0.03
     assert np.array(given) @ [1, 1j] == pytest.approx(np.array(wanted), rel=1e-7, abs=1e-7)
-
-
-def test_an_outline_is_found_from_point_to_point(page):
-    """That takes far less time than a search for each point."""
-    scene = Chess(sheet="axis", axis=(0, 1, 0), alpha=20)
-    outline = scene.L + 0.5 * np.exp(1j * np.linspace(0, 2 * np.pi, 80))
-    given, times = page.evaluate(
-        """([scene, points, ...values]) => {
-          const { bend } = LAWS.axis, all = sheets.windows(scene);
-          let count = 0;
-          LAWS.axis.bend = (...ray) => (count++, bend(...ray));
-          const found = crossings(points, ...values, all);
-          LAWS.axis.bend = bend;
-          return [found, count];
-        }""",
-        [scene.model_dump(), [[L.real, L.imag] for L in outline], scene.eye, scene.z1, scene.z2],
-    )
-    wanted = scene.apparent_position(outline, scene.z1)
-    assert np.array(given) @ [1, 1j] == pytest.approx(wanted, rel=1e-7, abs=1e-7)
-    assert times < 5000
 
 
 IDEAL_KINDS = ["none", "ideal", *KINDS]
@@ -333,17 +287,13 @@ def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
         Chess(),
         Chess(piece=("queen", "king", "queen"), x=(-1, 0, 1), z1=(2, 3, 4), color=("red", "#123456", "white")),
         Chess(sheet="single", tops="black", prisms=7, gap=0.2, aspect=1.1, eye=(0.5, 0.2), pedestal=0),
-        Chess(sheet="none", background="white", aperture=2, view=5),
         Chess(sky=picture(tmp_path), floor=f"{picture(tmp_path)},width=3"),
-        Chess(floor="none"),
         Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15, window="alpha=30,z=4,sheet=detailed"),
         Chess(sheet="law", z2=9, **own),
         Chess(sheet="lenticular", ratio=0.8, f_number=4, window="z=2,sheet=profile,profile=wedges,arrangement=single"),
         Chess(sheet="single", window=("z=2,sheet=detailed,prisms=30,index=1.7", "z=9,tops=black,gap=0.1"), z2=12),
-        Spheres(),
         Spheres(z1=tuple(np.linspace(1, 40, 14)), background="black", line=(0.2, 0.1)),
         Spheres(sheet="ideal", window=("alpha=20,z=3", "alpha=5,z=7,sheet=detailed"), prisms=2500, z2=12),
-        Spheres(sheet="none", window="z=3,sheet=ideal", alpha=50),
         Chess(
             glass="BK7",
             wavelength=450,
@@ -351,7 +301,6 @@ def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
             z2=9,
             window=("z=3,sheet=lenticular,glass=N-SF11,design_wavelength=500", "z=6,sheet=lenticular,index=1.6"),
         ),
-        Chess(sheet="ideal", glass="N-SF11", wavelength=450, window="z=3,sheet=single"),
         *(Chess(**{"sheet": name, **kind.examples[0]}) for name, kind in SHEETS.items()),
     ]
     started = Node(None, scripts.script("liveview/values.js", laws=to_live(scenes)))
@@ -441,14 +390,7 @@ def test_a_link_reopens_what_one_sees(page):
 
 @pytest.mark.parametrize(
     "link",
-    [
-        "#",
-        "#alpha=",
-        "#alpha=1e999&z1=NaN&L=1&E=a,b",
-        "#scene=house&sheet=3&piece=__proto__",
-        "#%E0%A4%A",
-        "#question=teapot",
-    ],
+    ["#alpha=1e999&z1=NaN&L=1&E=a,b", "#scene=house&piece=__proto__", "#%E0%A4%A", "#question=teapot"],
 )
 def test_nonsense_in_an_address_is_ignored(page, link):
     page.evaluate("(link) => fromHash(link)", link)
@@ -462,22 +404,6 @@ def test_a_linked_question_is_the_one_that_the_tab_opens(page):
     assert page.evaluate("[state.question, session.lastQuestion]") == [4, 4]
     page.evaluate("fromHash('#question=6')")  # as older links have it
     assert page.evaluate("QUESTIONS[state.question].name") == "upright"
-
-
-def test_the_answer_of_ones_own_question_is_what_its_address_shows(page):
-    """An address leaves out that there is one window, and no curtain. One that is typed says what it changes."""
-    shown = """(question) => {
-      fromHash(`#own=${encodeURIComponent(JSON.stringify(question))}`);
-      const { before, after } = QUESTIONS.pop();
-      session.own_question = "";
-      change({ ...before, ...after });
-      return [state.windows, state.compare, state.alpha];
-    }"""
-    after = page.evaluate("toHash()")
-    page.evaluate("change", {"windows": 2, "compare": "none", "alpha": 20})
-    question = {"ask": "?", "choices": ["a", "b"], "why": "", "before": page.evaluate("toHash()")}
-    assert page.evaluate(shown, question | {"after": after}) == [1, "off", 66]
-    assert page.evaluate(shown, question | {"after": "#alpha=90"}) == [2, "none", 90]
 
 
 def test_object_and_eye_are_outside_the_frames_on_both_sides_of_the_curtain(page):
@@ -549,18 +475,12 @@ def test_a_new_kind_of_sheet_is_one_file(tmp_path):
     assert node.evaluate("moment().place") == pytest.approx(place, abs=1e-9)
     link = node.evaluate("toHash()")
     assert "sheet=cylinder" in link and "power=-0.3&shift=-1,0.25,0&" in link
-    node.evaluate("fromHash('')")
-    node.evaluate("fromHash", link)
-    assert node.evaluate("moment().place") == pytest.approx(place, abs=1e-9)
     caption = node.evaluate("caption(moment())")
     assert caption[:3] == ["cylinder lens <1>", "power = −0.3", "shift = (−1, 0.25, 0)"]
-    assert node.evaluate("explanation(moment())").startswith(
-        "The sheet bends light towards a vertical line. The knight"
-    )
+    assert node.evaluate("explanation(moment())").startswith("The sheet bends light towards a vertical line. ")
     node.evaluate("change", {"power": 7})
     assert "power is at most 3." in node.evaluate("explanation(moment())")
-    node.process.stdin.close()
-    assert node.process.wait(10) == 0
+    node.close()
 
 
 def test_lenses_are_predicted(page):
@@ -597,14 +517,9 @@ def test_a_choice_opens_with_the_values_of_its_kind(page, name):
     ("values", "turned"),
     [
         ({"sheet": "refraction", "ratio": 1, "alpha": 40}, 40),
-        ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": -20}, -20),
         ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": 0}, 0),
-        ({"sheet": "twist", "twist": 0, "alpha": 15}, 15),
-        ({"sheet": "view-rotator", "alpha": 0}, 0),
         ({"sheet": "lenslets", "ratio": 1, "alpha": 50.01}, 50.01),
         ({"sheet": "lenslets", "ratio": 1.01, "alpha": 50}, None),
-        ({"sheet": "lens", "focal_length": 100}, None),
-        ({"sheet": "mirror", "alpha": 0}, None),
     ],
     ids=str,
 )
@@ -619,16 +534,12 @@ def test_the_image_of_a_sheet_is_where_all_eyes_see_it(page):
     for values, W in (
         ({"sheet": "lens", "focal_length": 4, "z1": 2}, 4),
         ({"sheet": "lens", "focal_length": 1, "z1": 2}, -2),
-        ({"sheet": "lens", "focal_length": -2, "z1": 2}, 1),
         ({"sheet": "lens", "focal_length": 2, "z1": 2}, np.inf),
         ({"sheet": "glens", "focal_length": 4, "object_focal_length": 6, "z1": 3}, 4),
         ({"sheet": "lenslets", "alpha": 180, "ratio": 2, "z1": 2}, -1),
-        ({"sheet": "lenslets", "alpha": 50, "ratio": 2, "z1": 2}, None),
         ({"sheet": "view-rotator", "alpha": 50, "view_distance": 3, "z1": 3}, 3),
         ({"sheet": "view-rotator", "alpha": 50, "view_distance": 3, "z1": 2}, None),
-        ({"sheet": "mirror", "alpha": 50}, None),
         ({"sheet": "twist", "alpha": 180}, None),
-        ({"sheet": "refraction", "alpha": 0, "ratio": 1.3}, None),
         ({"windows": 2, "sheet": "lens", "sheet2": "none", "focal_length": 4, "d": 1, "z1": 1}, 4),
         ({"windows": 2, "sheet": "ideal", "sheet2": "lens", "focal_length": 4, "alpha": 180, "d": 1, "z1": 2}, -5),
         ({"windows": 2, "sheet": "lens", "sheet2": "ideal", "focal_length": 4, "alpha2": 60, "d": 1, "z1": 2}, None),
@@ -712,15 +623,10 @@ def test_a_picture_that_two_windows_tear_apart_has_no_angle(page):
 DOUBTFUL = [
     {"sheet": "detailed", "alpha": 66, "prisms": 20, "z1": 4},
     {"sheet": "detailed", "alpha": 8, "prisms": 100},
-    {"sheet": "detailed", "alpha": 14, "prisms": 100},
     {"sheet": "detailed", "alpha": 180, "z1": 5.5},
-    {"sheet": "detailed", "alpha": 180, "z1": 20, "E": [0.4, -0.3]},
-    {"sheet": "single", "z1": 2},
     {"sheet": "single", "z1": 5.5},
     {"sheet": "detailed", "windows": 2, "alpha": 150, "alpha2": 60, "d": 1.5, "prisms": 60, "z1": 5, "E": [0.4, -0.3]},
-    {"sheet": "detailed", "windows": 2, "alpha": 150, "alpha2": 60, "d": 1.5, "prisms": 200, "z1": 20},
     {"scene": "spheres", "sheet": "detailed", "alpha": 20, "z1": 3},
-    {"sheet": "ideal", "alpha": 180, "z1": 5.97},
     {"sheet": "ideal", "alpha": 180, "z1": 5},
 ]
 
@@ -741,32 +647,6 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page, values):
         assert float(said[1]) == pytest.approx(error, rel=0.05)
     else:
         assert not said
-
-
-# ---- The scripts as one ----
-
-
-@pytest.mark.parametrize("folder", ["liveview", "page"])
-def test_a_page_has_all_modules_of_its_folder_once(folder):
-    text = scripts.script(f"{folder}/main.js", laws=to_live())
-    for path in {*(scripts.PACKAGE / folder).glob("*.js")} - {
-        scripts.PACKAGE / "liveview" / "widget.js"
-    }:  # for Jupyter
-        assert text.count(f"\npovgen.{path.stem} = (") == 1
-        own = path.read_text().rpartition('.js";\n')[2].splitlines()
-        assert all(line in text for line in own if not line.startswith("export ") and line.strip()[:2] != "//")
-    assert not re.search("^ *//", text, re.M)  # 36 kB of comments
-    assert not re.search("^(import|export) ", text, re.M)
-
-
-def test_modules_that_import_each_other_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(scripts, "PACKAGE", tmp_path)
-    (tmp_path / "a.js").write_text('import { b } from "./b.js";\nexport const a = b;\n')
-    (tmp_path / "b.js").write_text("export const b = 1;\n")
-    assert "const { b } = povgen.b;\nconst a = b;\nreturn { a };" in scripts.script("a.js", laws=[])
-    (tmp_path / "b.js").write_text('import { a } from "./a.js";\nexport const b = a;\n')
-    with pytest.raises(CycleError):
-        scripts.script("a.js", laws=[])
 
 
 # ---- Languages ----

@@ -63,15 +63,6 @@ def test_the_view_shows_pictures_as_opengl(browser, tmp_path):
     assert all(figure.holds for figure in figures), figures
 
 
-@pytest.mark.release
-def test_another_scene_is_not_the_same(browser):
-    """The check can fail: alpha is wrong by a tenth of a degree, and the sky is black."""
-    view = View(browser, Chess())
-    drawn = Drawn(Chess(alpha=66.1, background="black"))
-    assert not any(figure.holds for figure in verify_live.same([(view, drawn)], (80, 60)))
-    view.page.close()
-
-
 def test_the_view_shows_another_scene_as_opengl(browser):
     """`set` changes everything that follows from the scene."""
     first, then = Directions(sheet="detailed"), Directions(sheet="ideal", alpha=35, prisms=400, eye=(0.5, -0.5))
@@ -293,27 +284,6 @@ def test_a_context_that_the_browser_keeps_comes_back_in_sight(page):
     assert page.evaluate("view.canvas === document.getElementById('view')")
     page.set_viewport_size({"width": 96, "height": 72})  # the new canvas's size is followed, too
     page.wait_for_function("view.canvas.width === 96 && view.canvas.height === 72")
-
-
-def test_a_view_that_is_out_of_sight_for_a_moment_is_drawn_again(page):
-    """In sight again before the browser has said that the context is lost."""
-    before = first_picture(page)
-    moment = """() => {
-      view.inSight = false;
-      view.hold();
-      view.inSight = true;
-      view.hold();
-      return view.gl.isContextLost();
-    }"""
-    assert page.evaluate(moment)
-    at_rest(page)
-    assert abs(canvas(page) - before).max() <= 1
-    page.evaluate(
-        """view.canvas.addEventListener("webglcontextrestored", () => (view.inSight = false), { capture: true })"""
-    )
-    assert page.evaluate(moment)  # and out of sight again before it is restored
-    page.wait_for_function("!view.inSight && view.lost")
-    assert page.inner_text("#message") == ""
 
 
 def without_widget(monkeypatch):

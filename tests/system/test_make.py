@@ -9,7 +9,6 @@ import sys
 import imageio_ffmpeg
 import pytest
 from conftest import PROJECT, tree
-from uv import find_uv_bin
 
 pytestmark = pytest.mark.timeout(1500)  # packages come over the network
 
@@ -79,15 +78,11 @@ def test_make_keeps_an_environment_that_it_did_not_create(arguments, bare):
         assert {path: kept for path, kept in tree(bare).items() if path != bare / "build"} == before
 
 
-@pytest.mark.parametrize("note", ['"a; touch b"', '"$$HOME \\ #1"', '"it\'s"'])
-def test_options_are_kept_as_they_are(note, bare):
+def test_options_are_kept_as_they_are(bare):
     """A shell would run what follows a semicolon."""
-    make(bare, "build/options", f"OPTIONS=--note {note}")
+    make(bare, "build/options", "OPTIONS=--note 'a; touch b' \"it's $$HOME\"")
     kept = bare / "build" / "options"
-    assert kept.read_text() == f"standard povray --note {note.replace('$$', '$')}\n" and not (bare / "b").exists()
-    before = kept.stat().st_mtime_ns
-    make(bare, "build/options", f"OPTIONS=--note {note}")
-    assert kept.stat().st_mtime_ns == before
+    assert kept.read_text() == "standard povray --note 'a; touch b' \"it's $HOME\"\n" and not (bare / "b").exists()
 
 
 @pytest.mark.parametrize("name", ["", "my env"])
@@ -110,37 +105,23 @@ def test_clean_removes_the_folders_that_make_writes_to(bare):
     make(bare, "clean")
 
 
-@pytest.mark.parametrize("why", ["interrupted", "another Python", "a copy", "POV-Ray is missing"])
+@pytest.mark.parametrize("why", ["interrupted", "another Python", "a copy"])
 def test_a_new_environment_gets_its_packages_again(why, bare):
     ready = bare / ".venv" / "ready"
     for file in ("charts-ready", "mitsuba/ready"):
         (bare / ".venv" / file).parent.mkdir(exist_ok=True)
         (bare / ".venv" / file).touch()
     assert "pip" not in make(bare, "--dry-run", "bench")
-    path, text = os.environ["PATH"], ready.read_text()
-    if why == "POV-Ray is missing":
-        path = str(bare / "bin")
-        (bare / "bin").mkdir()
-        for program in ("sh", "cat", "find", "id", "python3", "sed"):
-            (bare / "bin" / program).symlink_to(shutil.which(program))
-    elif why == "interrupted":
-        ready.unlink()
-    else:
-        stale = {
-            "another Python": ("Python 3", "Python 2"),
-            "a copy": (" in ", " in /elsewhere"),
-        }
-        ready.write_text(text.replace(*stale[why]))
-    done = subprocess.run(
-        [shutil.which("make"), "--dry-run", "bench"], cwd=bare, env={**os.environ, "PATH": path},
-        capture_output=True, text=True, timeout=100,
-    )  # fmt: skip
-    for line in (
-        "python3 -m venv .venv\n",
-        "--editable .[charts]",
-        "install --quiet --disable-pip-version-check mitsuba",
-    ):
-        assert line in done.stdout, done.stdout + done.stderr
+    text = ready.read_text()
+    stale = {
+        "interrupted": (text, ""),
+        "another Python": ("Python 3", "Python 2"),
+        "a copy": (" in ", " in /elsewhere"),
+    }
+    ready.write_text(text.replace(*stale[why]))
+    planned = make(bare, "--dry-run", "bench")
+    for line in ("python3 -m venv .venv\n", "--editable .[charts]", "--disable-pip-version-check mitsuba"):
+        assert line in planned
 
 
 @pytest.mark.release
@@ -153,15 +134,7 @@ def test_targets(project):
     assert [path.stem for path in movies] == ["spheres", "vary-alpha", "vary-z1"]
     for path in movies:
         assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (4, pytest.approx(0.4, abs=0.05))
-    made = {path: path.stat().st_mtime_ns for path in movies}
-    make(project, "movies", *small)
-    assert made == {path: path.stat().st_mtime_ns for path in movies}
-
-    # a changed spec, template, quality or option makes a movie again
-    spec = project / "movies" / "spheres.toml"
-    spec.write_text(spec.read_text().replace("frame_rate = 10", "frame_rate = 20"))
-    make(project, "movies/spheres.mp4", *small)
-    assert imageio_ffmpeg.count_frames_and_secs(str(movies[0])) == (4, pytest.approx(0.2, abs=0.05))
+    # a changed template, quality or option makes a movie again
     os.utime(project / "templates" / "floor.pov.j2")
     z1 = "movies/vary-z1.mp4"
     for options in (small, ["QUALITY=draft", "OPTIONS=--size 64x48 --frames 4 --sheet none"]):
@@ -179,28 +152,3 @@ def test_targets(project):
 
     make(project, "clean")
     assert not (project / "build").exists() and not (project / ".venv").exists()
-
-
-@pytest.mark.release
-def test_the_wheel_works_from_any_folder(project, tmp_path):
-    uv = find_uv_bin()
-    # from the source distribution, as a packager does
-    subprocess.run([uv, "build", "--quiet", "--sdist", "-o", tmp_path], cwd=project, check=True, timeout=200)
-    (source,) = tmp_path.glob("povgen-*.tar.gz")
-    python = tmp_path / "venv" / "bin" / "python"
-    subprocess.run([uv, "venv", "--quiet", "--python", sys.executable, tmp_path / "venv"], check=True)
-    subprocess.run([uv, "pip", "install", "--quiet", "--python", python, source], check=True, timeout=300)
-    elsewhere = tmp_path / "else where"
-    elsewhere.mkdir()
-    povgen = tmp_path / "venv" / "bin" / "povgen"
-    for arguments in (
-        ["check"],
-        ["frame", "spheres", "--z1", "2", "--z1", "4", "--size", "64x48", "-o", "é.png"],
-        ["movie", "vary-z1", "--sheet", "none", "--quality", "draft", "--size", "64x48", "--frames", "8", "--quiet"],
-        ["demo", "--quiet"],
-    ):
-        done = subprocess.run([povgen, *arguments], cwd=elsewhere, capture_output=True, text=True, timeout=200)
-        assert done.returncode == 0, done.stdout + done.stderr
-    assert sorted(path.name for path in elsewhere.iterdir()) == ["demo.html", "vary-z1.mp4", "é.png"]
-    listed = subprocess.run([povgen, "list"], cwd=elsewhere, capture_output=True, text=True).stdout
-    assert "vary-alpha" in listed and "knight" in listed

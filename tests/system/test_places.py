@@ -5,6 +5,7 @@ import pty
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -29,7 +30,7 @@ stop = 4
     "name",
     [
         'o\'clock "quoted" `$HOME` ö',
-        *(pytest.param(name, marks=pytest.mark.release) for name in ("-dash", "--help", "Größe-回転-🎬", "a%03d\n")),
+        *(pytest.param(name, marks=pytest.mark.release) for name in ("--help", "Größe-回転-🎬", "a%03d\n")),
     ],
 )
 def test_names(name, tmp_path, monkeypatch):
@@ -38,15 +39,14 @@ def test_names(name, tmp_path, monkeypatch):
     folder.mkdir()
     (folder / f"{name}.toml").write_text(SPEC)
     monkeypatch.setenv("POVGEN_CACHE", f"{name}/{name}")
-    for kind in (".mp4", ".webm", ".gif"):
+    for kind in (".mp4", ".gif"):
         arguments = ["movie", "-o", f"{name}/{name}{kind}", *TINY, "--", f"{name}/{name}.toml"]
         status, out, err = povgen(arguments, tmp_path)
         shown = name.replace("\n", "\\n")
         assert (status, out) == (0, f"wrote {shown}/{shown}{kind}\n"), err
     assert povgen(["frame", "chess", *TINY, "-o", f"{name}/{name}.png"], tmp_path)[0] == 0
     assert povgen(["pov", "chess", "-o", f"{name}/{name}.pov"], tmp_path)[0] == 0
-    assert imageio_ffmpeg.count_frames_and_secs(str(folder / f"{name}.mp4"))[0] == 3
-    kinds = (".gif", ".mp4", ".png", ".pov", ".toml", ".webm", "")
+    kinds = (".gif", ".mp4", ".png", ".pov", ".toml", "")
     assert {path.name for path in folder.iterdir()} == {f"{name}{kind}" for kind in kinds}
     assert os.listdir(tmp_path) == [name]
 
@@ -80,27 +80,15 @@ def test_a_spec_from_standard_input(tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["a.mp4", "movie.mp4"]
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"LC_ALL": "C", "LANG": "C", "PYTHONUTF8": None, "PYTHONIOENCODING": None},
-        pytest.param({"TMPDIR": "/nowhere", "TERM": None, "COLUMNS": "20"}, marks=pytest.mark.release),
-        pytest.param(
-            {"HOME": "/nowhere/at/all", "POVGEN_CACHE": "own", "PATH": "/usr/bin:/bin"}, marks=pytest.mark.release
-        ),
-    ],
-    ids=" ".join,
-)
-def test_surroundings_that_lack_something(change, tmp_path):
-    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), **change}
-    environment = {key: value for key, value in environment.items() if value is not None}
-    for path in ("é.toml", "ä.mp4"):
-        (tmp_path / path).write_text(SPEC)
+def test_surroundings_that_lack_something(tmp_path):
+    """A locale without UTF-8, no home, no terminal, and a folder of temporary files that does not exist."""
+    environment = {**os.environ, "LC_ALL": "C", "LANG": "C", "HOME": "/nowhere", "TMPDIR": "/nowhere"}
+    for name in ("PYTHONUTF8", "PYTHONIOENCODING", "TERM"):
+        environment.pop(name, None)
+    (tmp_path / "é.toml").write_text(SPEC)
     printed = run_povgen("movie", "é.toml", *TINY, "-o", "ä.mp4", cwd=tmp_path, env=environment)
-    assert "wrote ä.mp4" in printed.stdout
-    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "ä.mp4"))[0] == 3
-    if "LC_ALL" in change:
-        assert "ö.toml" in run_povgen("movie", "ö.toml", cwd=tmp_path, env=environment, status=2).stderr
+    assert "wrote ä.mp4" in printed.stdout and (tmp_path / "ä.mp4").exists()
+    assert "ö.toml" in run_povgen("movie", "ö.toml", cwd=tmp_path, env=environment, status=2).stderr
 
 
 @cache
@@ -138,16 +126,6 @@ def open_folder():
     shutil.rmtree(folder)
 
 
-@pytest.mark.release
-def test_an_ordinary_user(open_folder):
-    own = str(open_folder / "cache")
-    as_nobody(open_folder, "frame", "chess", *TINY, HOME="/nonexistent", POVGEN_CACHE=own)
-    as_nobody(open_folder, "movie", "vary-z1", *TINY, "--quality", "draft", "-o", "a.mp4", POVGEN_CACHE=own)
-    assert {"a.mp4", "frame.png"} <= set(os.listdir(open_folder))
-    printed = as_nobody(open_folder, "check", POVGEN_CACHE=own).stdout
-    assert printed.count("ok ") == len(printed.splitlines())
-
-
 def test_folders_that_cannot_be_written_to(open_folder):
     (open_folder / "shut").mkdir(mode=0o555)
     (open_folder / "shut" / "there.png").write_bytes(b"kept")
@@ -173,20 +151,6 @@ def test_folders_that_cannot_be_written_to(open_folder):
     assert f"FAULT  cache: {open_folder}/shut: Permission denied (" in done.stdout
 
 
-@pytest.mark.release
-def test_files_of_another_user_in_the_cache(open_folder):
-    own = {"POVGEN_CACHE": str(open_folder / "cache")}
-    as_nobody(open_folder, "frame", "chess", *TINY, **own)
-    parts = [open_folder / "cache", *(path for path in (open_folder / "cache").iterdir() if path.is_dir())]
-    for part in parts:
-        part.chmod(0o555)
-    done = as_nobody(open_folder, "cache", "clear", status=1, **own)
-    assert done.stdout.startswith("removed 0 frames") and "cache: files that could not be removed: 1\n" in done.stderr
-    for part in parts:
-        part.chmod(0o777)
-    assert as_nobody(open_folder, "cache", "clear", **own).stdout.startswith("removed 1 frame,")
-
-
 def test_on_a_terminal_and_without(tmp_path):
     """Progress is a bar on a terminal and lines elsewhere. With --quiet there are only errors."""
     (tmp_path / "a.toml").write_text(SPEC)
@@ -198,55 +162,8 @@ def test_on_a_terminal_and_without(tmp_path):
     process = subprocess.Popen([POVGEN, *arguments], cwd=tmp_path, env=able, stderr=theirs, stdout=theirs, stdin=theirs)
     os.close(theirs)
     shown = b""
-    while True:
-        try:
-            more = os.read(ours, 4096)
-        except OSError:
-            break
-        if not more:
-            break
-        shown += more
+    with suppress(OSError):  # at the end
+        while more := os.read(ours, 4096):
+            shown += more
     os.close(ours)
     assert process.wait() == 0 and b"3/3" in shown and b"\x1b[" in shown
-
-
-@pytest.mark.parametrize("closed", ["<&- >&- 2>&-", pytest.param("2>/dev/full", marks=pytest.mark.release)])
-def test_standard_files_that_are_closed(closed, tmp_path):
-    """Exit status and files are the same as with open ones. No message gets into another file."""
-    (tmp_path / "a.toml").write_text(SPEC)
-    script = f'"$0" "$@" {closed}'
-    run = ["sh", "-c", script, POVGEN, "movie", "a.toml", *TINY, "-o", "a.mp4"]
-    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=200)
-    assert (done.returncode, done.stderr) == (0, "") and done.stdout == ("" if ">&- " in closed else "wrote a.mp4\n")
-    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
-    run = ["sh", "-c", script, POVGEN, "frame", "chess", "--alpha", "nan"]
-    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=200)
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
-
-
-@pytest.mark.release
-def test_the_current_folder_removed(tmp_path):
-    """A value that depends on it is refused in one line that names the value. Everything else works."""
-    (tmp_path / "a.toml").write_text(SPEC)
-    script = 'mkdir gone; cd gone; rmdir ../gone; exec "$0" "$@"'
-
-    def gone(*arguments, **environment):
-        run = ["sh", "-c", script, POVGEN, *arguments]
-        return subprocess.run(
-            run, cwd=tmp_path, env={**os.environ, **environment}, capture_output=True, text=True, timeout=200
-        )
-
-    done = gone("movie", tmp_path / "a.toml", *TINY, "-o", tmp_path / "a.mp4")
-    assert done.returncode == 0 and (tmp_path / "a.mp4").exists(), done.stderr
-    done = gone("check", PATH=f".:{os.environ['PATH']}")
-    assert done.returncode == 0 and "FAULT" not in done.stdout
-    for arguments, named, environment in (
-        (["frame", "chess", *TINY], "output = 'frame.png'", {}),
-        (["movie", "vary-z1", *TINY], "output = 'vary-z1.mp4'", {}),
-        (["movie", "a.toml"], "a.toml", {}),
-        (["demo"], "output = 'demo.html'", {}),
-        (["cache", "info"], "POVGEN_CACHE = 'cache'", {"POVGEN_CACHE": "cache"}),
-    ):
-        done = gone(*arguments, **environment)
-        assert done.returncode == 2 and done.stderr.startswith(f"povgen: {named}: "), done.stderr
-        assert "allowed: " in done.stderr and len(done.stderr.splitlines()) == 1

@@ -8,7 +8,7 @@ import sys
 from threading import Thread
 
 import pytest
-from conftest import povgen, some, wait_for
+from conftest import povgen, wait_for
 
 from povgen import PovrayError, Rendering, stopping
 from povgen.rendering import parallel, povray, sandbox
@@ -40,6 +40,7 @@ def run(tried, folder, rendering=TINY):
 
 
 def test_check_says_that_util_linux_is_missing(few_programs, tmp_path):
+    assert povgen([*FRAME, "-o", "a.png"], tmp_path) == (0, "", "") and (tmp_path / "a.png").is_file()
     status, out, err = povgen(["check"], tmp_path)
     assert status == 0, out + err
     (line,) = [line for line in out.splitlines() if "limits" in line]
@@ -58,17 +59,11 @@ def test_a_shell_that_cannot_limit_memory(few_programs, tmp_path):
     assert "POV-Ray's memory is not limited" in povgen(["check"], tmp_path)[1]
 
 
-@pytest.mark.parametrize("text", ["exit 1", 'shift; test "$1" = KILL'])
-def test_a_setpriv_that_cannot_do_it(few_programs, text):
+def test_a_setpriv_that_cannot_do_it(few_programs):
     for name in ("setpriv", "prlimit"):
-        (few_programs / name).write_text(f"#!/bin/sh\n{text}\n")
+        (few_programs / name).write_text("#!/bin/sh\nexit 1\n")
         (few_programs / name).chmod(0o700)
-    assert povray.has_util_linux() == ("KILL" in text)
-
-
-def test_a_frame_without_util_linux(few_programs, tmp_path):
-    status, out, err = povgen([*FRAME, "-o", "a.png"], tmp_path)
-    assert (status, out, err) == (0, "", "") and (tmp_path / "a.png").is_file()
+    assert not povray.has_util_linux()
 
 
 def test_the_shells_limits(few_programs, tmp_path, monkeypatch):
@@ -79,20 +74,17 @@ def test_the_shells_limits(few_programs, tmp_path, monkeypatch):
     shutil.rmtree(tmp_path / "work")
     with pytest.raises(PovrayError, match="for a file, 1 MiB, is exceeded"):
         run('#fopen F "data.txt" write #while (1) #write(F, "0123456789") #end', tmp_path)
-    start, programs = povray._starter(0.2, 1, 1 << 30)
-    assert programs == [str(few_programs / "sh")]
+    start, _ = povray._starter(0.2, 1, 1 << 30)
     ended = subprocess.run([*start, "/bin/sh", "-c", "while :; do :; done"], timeout=100)
     assert -ended.returncode in (signal.SIGKILL, signal.SIGXCPU)  # after 1 s of CPU time
-    assert "ulimit -t 60 " in povray._starter(10, 3, 1 << 30)[0][2]
 
 
-@pytest.mark.parametrize("name", some(["../../secret.txt", "/etc/passwd"], 1))
-def test_the_sandbox_without_util_linux(name, few_programs, tmp_path):
+def test_the_sandbox_without_util_linux(few_programs, tmp_path):
     if not sandbox.version():
         pytest.skip("this kernel has no Landlock")
     (tmp_path / "secret.txt").write_text('"hidden"\n')
     with pytest.raises(PovrayError, match="no file .* that it may read"):
-        run(f'#fopen F "{name}" read #read(F, S) #error S', tmp_path)
+        run('#fopen F "../../secret.txt" read #read(F, S) #error S', tmp_path)
 
 
 def test_without_landlock(tmp_path, monkeypatch):

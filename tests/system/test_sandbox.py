@@ -6,9 +6,7 @@ import resource
 import signal
 import socket
 import subprocess
-import threading
 import tracemalloc
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -23,6 +21,7 @@ from povgen.scene import pictures
 from povgen.scene.pieces import PieceFile, as_piece
 
 TINY = Rendering(size=(32, 32), antialias="off", timeout=200)
+HUNGRY = "sphere { 0, 2 pigment { image_map { function 30000, 30000 { x } } } }"  # takes more memory than it may
 SHORT = TINY.model_copy(update={"timeout": 1.0})
 SCENE = """\
 #version 3.7;
@@ -31,7 +30,6 @@ camera {{ location -3*z look_at 0 }}
 light_source {{ -9, 1 }}
 sphere {{ 0, 1 pigment {{ rgb 1 }} }}
 """
-LIBRARY = "/usr/lib/os-release"  # in a folder of libraries, but none
 landlock = pytest.mark.skipif(not sandbox.version(), reason="this kernel has no Landlock")
 
 
@@ -60,7 +58,7 @@ def test_what_a_scene_may_do(tmp_path):
 
 @landlock
 @pytest.mark.parametrize(
-    "name", some(["{folder}/secret.txt", "/etc/passwd", "../../secret.txt", "/proc/self/environ", LIBRARY], 1)
+    "name", some(["{folder}/secret.txt", "../../secret.txt", "/proc/self/environ", "/usr/lib/os-release"], 1)
 )
 @pytest.mark.parametrize("way", ['#include "{}"', '#fopen F "{}" read #read(F, S) #error S'])
 def test_no_other_file_is_read(name, way, tmp_path):
@@ -72,19 +70,10 @@ def test_no_other_file_is_read(name, way, tmp_path):
 
 
 @landlock
-@pytest.mark.parametrize("used", some(["pigment { image_map", "pigment { rgb 1 } normal { bump_map"], 1))
-def test_no_other_picture_is_read(used, tmp_path):
-    picture = run("", tmp_path).rename(tmp_path / "other.png")
-    (tmp_path / "work").rename(tmp_path / "done")
-    refused(f'plane {{ z, 1 {used} {{ png "{picture}" }} }} }}', tmp_path, f"no file {str(picture)!r} that it may read")
-
-
-@landlock
 @pytest.mark.parametrize(
-    "name", some(["{folder}/kept.txt", "{folder}/written.txt", "../written.txt", "{home}/written.txt"], 1)
+    ("name", "way"), some([("{folder}/kept.txt", "append"), ("{home}/written.txt", "write")], 1, several=True)
 )
-@pytest.mark.parametrize("way", some(["write", "append"], 1))
-def test_nothing_is_written_outside_the_work_folder(way, name, tmp_path, monkeypatch):
+def test_nothing_is_written_outside_the_work_folder(name, way, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     (tmp_path / "home").mkdir()
     (tmp_path / "kept.txt").write_text("kept")
@@ -94,7 +83,7 @@ def test_nothing_is_written_outside_the_work_folder(way, name, tmp_path, monkeyp
 
 
 @landlock
-@pytest.mark.parametrize("name", some(["new.txt", "scene.pov", "a/new.txt", ".povray/3.7/povray.conf"], 2))
+@pytest.mark.parametrize("name", some(["new.txt", "scene.pov", ".povray/3.7/povray.conf"], 2))
 def test_a_scene_makes_no_file_and_changes_none_of_povgens(name, tmp_path):
     """So the sum of what it writes is bounded by the limit for a file, however many names it tries."""
     refused(f'#fopen F "{name}" write #write(F, "x")', tmp_path, "line 2", "Cannot open")
@@ -114,25 +103,6 @@ def test_of_long_messages_only_the_ends_are_read(tmp_path):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert str(failure) == r"POV-Ray: scene.pov, line 2: halted \x1b[31m\x9bred" and peak < 1 << 20
-
-
-def test_of_other_messages_only_the_end_is_kept():
-    reads, writes = os.pipe()
-    last = bytearray()
-    reader = threading.Thread(target=povray._read_last, args=(open(reads, "rb"), last))
-    reader.start()
-    with open(writes, "wb") as pipe:
-        pipe.write(b"x" * (1 << 22) + b"the end")
-    reader.join()
-    assert last == b"x" * (povray.MAX_MESSAGES - 7) + b"the end"
-
-
-@landlock
-def test_no_link_leads_out(tmp_path, monkeypatch):
-    """A link in the work folder gives no access to what it points to."""
-    (tmp_path / "secret.txt").write_text('"hidden"\n')
-    in_work_folder(monkeypatch, lambda folder: (folder / "link.txt").symlink_to(tmp_path / "secret.txt"))
-    refused('#fopen F "link.txt" read #read(F, S) #error S', tmp_path, "no file 'link.txt' that it may read")
 
 
 def in_work_folder(monkeypatch, prepare):
@@ -197,35 +167,6 @@ def test_no_more_memory_than_its_share(tmp_path, monkeypatch):
     refused(grows, tmp_path, "out of memory: its limit is 512 MiB", "line 2")
 
 
-HUNGRY = {
-    "array": "#declare A = array[100000000];",
-    "lights": "#while (1) light_source { 0, 1 } #end",
-    "mesh": "mesh { #declare I = 0; #while (1) triangle { <I, 0, 0>, <I, 1, 0>, <I, 0, 1> } #declare I = I + 1; #end }",
-    "unions": "#declare U = sphere { 0, 1 } #while (1) #declare U = union { object { U } object { U } } #end",
-    "image": "sphere { 0, 2 pigment { image_map { function 30000, 30000 { x } } } }",
-    "photons": "global_settings { photons { count 2000000000 } } sphere { <1, 1, -1>, 0.5 pigment { rgbt 1 }"
-    " interior { ior 1.5 } photons { target reflection on refraction on } } plane { z, 9 pigment { rgb 1 } }",
-    "text": '#while (1) text { internal 1 "hello world" 1, 0 } #end',
-}
-
-
-@pytest.mark.release
-@pytest.mark.parametrize("mebibytes", [64, 90, 200])
-def test_the_message_names_the_limit_whatever_takes_the_memory(mebibytes, tmp_path, monkeypatch):
-    """POV-Ray ends in many ways. With the smallest limit it cannot even start its threads."""
-    monkeypatch.setattr(povray, "MAX_MEMORY", mebibytes << 20)
-
-    def message_for(name):
-        (tmp_path / name).mkdir()
-        with pytest.raises(PovrayError) as failure:
-            run(HUNGRY[name], tmp_path / name, TINY.model_copy(update={"timeout": 100}))
-        return str(failure.value)
-
-    with ThreadPoolExecutor() as pool:
-        for message in pool.map(message_for, HUNGRY):
-            assert f"out of memory: its limit is {mebibytes} MiB" in message and len(message.splitlines()) == 1
-
-
 LOG = (
     "File: scene.pov  Line: 2\nFile Context (5 lines):\n\n#version 3.7; // bad_alloc\n\nFatal Error: Parse Error: {}\n"
 )
@@ -237,20 +178,11 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
     ("status", "messages", "log", "expected"),
     [
         (1, PARSER.format("Cannot parse input."), "std::bad_alloc", ": scene.pov, line 2: out of memory"),
-        (1, PARSER.format("Out of memory."), "Out of memory.", ": scene.pov, line 2: out of memory"),
         (-11, "", "std::bad_alloc", ": scene.pov, line 2: out of memory"),
         (1, RENDERER.format("Out of memory."), None, ": out of memory"),
         (-6, UNCAUGHT.format("St9bad_alloc", "std::bad_alloc"), None, ": out of memory"),
-        (127, "povray: libX11.so.6: failed to map segment from shared object", None, ": out of memory"),
         (127, "libX11.so.6: cannot create shared object descriptor: Cannot allocate memory", None, ": out of memory"),
         (1, PARSER.format("Cannot parse input."), None, " failed, probably out of memory"),
-        (1, PARSER.format("Uncategorized error."), None, " failed, probably out of memory"),
-        (
-            -6,
-            UNCAUGHT.format("boost::thread_resource_error", "..."),
-            None,
-            " was killed by signal 6, perhaps out of mem",
-        ),
         (-11, "", None, " was killed by signal 11, perhaps out of memory"),
         (-9, "", None, " was killed by signal 9"),
         (
@@ -259,13 +191,11 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
             "Too many nested symbol tables",
             ": scene.pov, line 2: Too many nested symbol tables",
         ),
-        (1, RENDERER.format("An internal nesting limit was reached."), None, "An internal nesting limit was reached."),
         (-signal.SIGXFSZ, "", None, " was stopped: its limit for a file, 1024 MiB, is exceeded"),
         (1, "", None, " failed: it left no message"),
     ],
 )
 def test_povrays_messages(status, messages, log, expected, tmp_path):
-    """All messages that POV-Ray printed without memory, in 200 runs, and others."""
     (tmp_path / povray.FATAL).write_text(LOG.format(log) if log else "")
     failure = povray._failure(TINY, tmp_path, status, messages, "out of memory: its limit is 8192 MiB")
     assert str(failure).startswith("POV-Ray") and expected in str(failure)
@@ -300,12 +230,11 @@ def test_a_large_picture_takes_no_file_larger_than_itself(tmp_path, monkeypatch)
     assert run("", tmp_path, Rendering(size=(320, 240), antialias="off")).stat().st_size < 1 << 20
 
 
-@pytest.mark.parametrize("kind", some([resource.RLIMIT_AS, resource.RLIMIT_DATA], 1))
-def test_a_lower_limit_of_the_systems_counts(kind, tmp_path, monkeypatch):
-    theirs = {kind: 300 << 20, resource.RLIMIT_FSIZE: 1 << 19}
+def test_a_lower_limit_of_the_systems_counts(tmp_path, monkeypatch):
+    theirs = {resource.RLIMIT_AS: 300 << 20, resource.RLIMIT_FSIZE: 1 << 19}
     endless = resource.RLIM_INFINITY
     monkeypatch.setattr(resource, "getrlimit", lambda kind: (theirs.get(kind, endless), endless))
-    refused(HUNGRY["array"], tmp_path, "out of memory: its limit is 300 MiB")
+    refused(HUNGRY, tmp_path, "out of memory: its limit is 300 MiB")
     (tmp_path / "work").rename(tmp_path / "done")
     refused(
         '#fopen F "data.txt" write #while (1) #write(F, "0123456789") #end',
@@ -326,27 +255,6 @@ def test_a_frame_under_lower_limits(tmp_path):
 # The sandbox round Python code, which tries what POV-Ray does not.
 
 
-def test_results_and_exceptions_are_passed_on():
-    assert sandbox.within(lambda: 7) == 7
-    assert sandbox.within(lambda: None) is None
-    for error in (ValueError("own"), KeyboardInterrupt(), SystemExit(3)):
-        with pytest.raises(type(error)) as raised:
-            sandbox.within(lambda error=error: raise_(error))
-        assert raised.value is error
-
-
-def test_of_the_libraries_povray_gets_its_own(tmp_path, monkeypatch):
-    given = []
-    monkeypatch.setattr(sandbox, "within", lambda work, **rights: given.append(rights) or work())
-    run("", tmp_path)
-    (rights,) = given
-    names = [path.name for path in rights["run"]]
-    assert all(path.is_file() for path in rights["run"]) and len(names) == len({*names})
-    assert {"povray", "libc.so.6"} <= {*names} and any(name.startswith("libpng") for name in names)
-    (tmp_path / "povray").write_text("#!/bin/sh\n")
-    assert povray.libraries(tmp_path / "povray") == povray.RUN  # a script: nobody knows what it runs
-
-
 def test_all_povrays_together_stay_within_the_memory(tmp_path, monkeypatch):
     gibibytes = {"SC_PHYS_PAGES": 1 << 18, "SC_PAGE_SIZE": 16 << 10}  # 4 GiB
     monkeypatch.setattr(os, "sysconf", gibibytes.get)
@@ -357,7 +265,7 @@ def test_all_povrays_together_stay_within_the_memory(tmp_path, monkeypatch):
     for shown, limit in (("", 256), (f"// {sky.name}\n", 1024)):
         said = rf"out of memory: its limit is {limit}\.?\d* MiB; with fewer --workers it is higher"
         with pytest.raises(PovrayError, match=said):
-            povray.Runner(at_once=16).run(SCENE.format(shown + HUNGRY["image"]), TINY, tmp_path / "work")
+            povray.Runner(at_once=16).run(SCENE.format(shown + HUNGRY), TINY, tmp_path / "work")
     for workers, count, at_once in ((None, 40, 16), (3, 40, 3), (None, 2, 2), (None, 0, 1)):
         monkeypatch.setattr(frames, "default_workers", lambda: 16)
         assert frames.renderer_of([Chess(sheet="none")] * count, TINY, None, workers)[1]._at_once == at_once
@@ -382,10 +290,6 @@ def test_without_a_sandbox_a_piece_of_somebodys_is_named(tmp_path, monkeypatch, 
     assert "piece = 'b.inc': POV-Ray has no sandbox" in caplog.messages[1]
     line = ["frame", "chess", "--piece", "own.inc", "--sheet=none", "--size=32x32", "-o", "a.png", "--quiet"]
     assert povgen(line, tmp_path) == (0, "", "") and len(caplog.messages) == 2
-
-
-def raise_(error):
-    raise error
 
 
 @pytest.fixture
@@ -440,25 +344,6 @@ def test_files(work, where, places):
     assert allowed(places, work) == where
 
 
-@landlock
-def test_what_is_started_is_confined_as_well(places):
-    """A process in the sandbox, and a process that it starts."""
-    command = ["/bin/sh", "-c", f"echo x > {places}/write/new; exec /bin/sh -c 'echo x > {places}/outside/new'"]
-    system = [path for path in [*povray.RUN, Path("/bin"), Path("/usr/bin")] if path.exists()]
-    done = sandbox.within(
-        lambda: subprocess.run(command, stderr=subprocess.PIPE), run=system, write=[places / "write", Path(os.devnull)]
-    )
-    assert done.returncode and b"denied" in done.stderr
-    assert (places / "write/new").exists() and not (places / "outside/new").exists()
-
-
-@pytest.mark.parametrize("path", ["/etc/povray/3.7/povray.conf", "/etc/ld.so.cache"])
-def test_povray_reads_the_systems_configuration(path):
-    """It may forbid more than povgen does."""
-    if Path(path).exists():
-        assert sandbox.within(Path(path).read_bytes, read=povray.READ)
-
-
 @pytest.mark.skipif(sandbox.version() < 4, reason="this kernel's Landlock does not know of networks")
 def test_no_network():
     with socket.create_server(("127.0.0.1", 0)) as server:
@@ -480,15 +365,3 @@ def test_no_signals():
     finally:
         other.kill()
         other.wait()
-
-
-@landlock
-def test_many_sandboxes_at_once(places):
-    """Each thread has its own."""
-    found = []
-    threads = [threading.Thread(target=lambda: found.append(allowed(places, Path.read_text))) for _ in range(20)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert found == [{"read", "run", "write"}] * 20

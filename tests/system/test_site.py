@@ -16,7 +16,6 @@ import povgen
 from povgen.measure.browser import chromium
 
 pytestmark = [pytest.mark.xdist_group("site"), pytest.mark.release]  # to make the site takes a minute
-BREAKS = ("measure-on-paper", "answers")  # where new pages begin
 AA = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"], "resultTypes": ["violations"]}
 
 
@@ -71,7 +70,6 @@ def read(site):
 
 
 def test_every_link_leads_somewhere(site, read):
-    assert len(read) > 30
     for path, page in read.items():
         for link in page.links | page.loaded:
             parts = urlsplit(link)
@@ -101,41 +99,26 @@ OWN = {name for name, exhibit in SHOWN.items() if not exhibit.address}
 
 
 def test_every_picture_of_the_gallery_has_its_text_and_can_be_moved(site, read):
-    pictures = {
-        Path(link).stem for link in re.findall(r"!\[[^]]*\]\((\S+)\)", (PROJECT / "docs/gallery.md").read_text())
-    }
-    own = {"pieces", "black-tops"}  # the page cannot show them
-    assert set(SHOWN) == pictures and own == OWN
+    pictures = re.findall(r"!\[[^]]*\]\((\S+)\)", (PROJECT / "docs/gallery.md").read_text())
+    assert set(SHOWN) == {Path(link).stem for link in pictures}
+    assert {"pieces", "black-tops"} == OWN  # the page cannot show them
     links = read[site / "docs" / "gallery.html"].links
-    commands = re.findall(r"<code[^>]*>(.*?)</code>", (site / "docs" / "gallery.html").read_text(), re.S)
-    commands = [re.sub("<[^>]*>", "", text) for text in commands]
-    # pictures that are composed of several have the commands of these
-    assert len([text for text in commands if text.startswith("povgen ")]) >= len(SHOWN)
     for name, exhibit in SHOWN.items():
         assert f"gallery/{name}.pov" in links
         assert (f"../live.html#{exhibit.address}" if exhibit.address else f"gallery/{name}.html") in links
-        assert not exhibit.words or exhibit.words[0] in ("frame", "movie", "demo", "figure")
         text = (site / "docs" / "gallery" / f"{name}.pov").read_text()
         assert "#version 3.7" in text and f"{name}.pov" in text
 
 
 def test_the_live_page_shows_the_scenes_of_the_gallery(site, page):
-    """It takes every value of each address as it is."""
+    """It takes every value of each address."""
     page.goto((site / "live.html").as_uri())
     page.evaluate(NAMES)
     for name, exhibit in SHOWN.items():
         if not exhibit.address:
             continue
-        state = page.evaluate("hash => { fromHash(hash); return [state, session.refusals]; }", f"#{exhibit.address}")
-        assert not state[1], f"{name}: {state[1]}"
-        for part in exhibit.address.split("&"):
-            key, _, value = part.partition("=")
-            if key == "show":
-                assert all(state[0][each] for each in value.split(",") if each)
-            else:
-                kept = state[0][key]
-                kept = ",".join(f"{x:g}" for x in kept) if isinstance(kept, list) else kept
-                assert kept == (float(value) if isinstance(kept, (int, float)) else value), f"{name}: {part}"
+        refusals = page.evaluate("hash => { fromHash(hash); return session.refusals; }", f"#{exhibit.address}")
+        assert not refusals, f"{name}: {refusals}"
 
 
 def test_the_search_works_without_a_server(site, page):
@@ -143,11 +126,6 @@ def test_the_search_works_without_a_server(site, page):
     page.wait_for_selector("#search-results li a")
     found = page.locator("#search-results li a").all_inner_texts()
     assert "Using povgen" in found
-    page.goto((site / "index.html").as_uri())
-    page.fill(".sidebar-search", "apparent_position")
-    page.keyboard.press("Enter")
-    page.wait_for_selector("#search-results li a")
-    assert "povgen" in page.locator("#search-results li a").all_inner_texts()
 
 
 @pytest.mark.parametrize(
@@ -159,25 +137,11 @@ def test_everybody_can_read_it(name, site, page):
     assert not faults, [(fault["id"], [node["target"] for node in fault["nodes"]][:3]) for fault in faults]
 
 
-def test_the_steps_of_the_lesson_open_the_live_page(site, read):
-    settings = website.SETTING.findall((PROJECT / "docs" / "lesson.md").read_text())
-    live = [f"../live.html{address}" for _, address in settings]
-    assert len(live) > 20 and set(live) == {
-        link for link in read[site / "docs" / "lesson.html"].links if "live" in link
-    }
-
-
 def test_the_worksheet_is_two_pages_of_a4_and_one_of_answers(site, page):
     page.goto((site / "docs" / "worksheet.html").as_uri())
     printed = page.pdf(prefer_css_page_size=True)
     sizes = re.findall(rb"/Type /Page\b.*?/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", printed, re.S)
     assert [(round(float(width)), round(float(height))) for width, height in sizes] == [(595, 842)] * 3  # points
-    page.emulate_media(media="print")
-    tops = {
-        name: page.locator(f"#{name}").evaluate("element => getComputedStyle(element).breakBefore") for name in BREAKS
-    }
-    page.emulate_media(media="screen")
-    assert set(tops.values()) == {"page"}
 
 
 def test_a_movie_plays_if_the_reader_allows_motion(site, page):

@@ -1,6 +1,5 @@
 """What the tests of the teaching page share: one Chromium, one page, and what a hand does with it."""
 
-import re
 from io import BytesIO
 
 import numpy as np
@@ -126,22 +125,6 @@ def heard(page, *live):
         live,
     )
     return lambda: page.evaluate("written")
-
-
-def numbers(page):
-    """Return the numbers that the page shows."""
-    page.evaluate("draw()")
-    texts = {name: page.locator(f"#value-{name}").text_content() for name in ("r", "P", "nu", "M")}
-    return {name: number(text) for name, text in texts.items()}
-
-
-def number(text):
-    """Return the real or complex number that the page shows as text."""
-    text = text.replace("−", "-").strip("° ").replace("∞", "inf").replace("undefined", "nan")
-    text = re.sub(
-        r" × 10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda m: "e" + m[1].translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")), text
-    )
-    return complex(text.replace(" ", "").replace("i", "j")) if "i" in text.removeprefix("inf") else float(text)
 
 
 def bounds(page, *selectors):

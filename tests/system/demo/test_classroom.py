@@ -29,14 +29,6 @@ def test_a_choice_is_seen_in_high_contrast(page):
     page.evaluate("session.pinned = ''; mark('')")
 
 
-def test_lines_are_as_dark_as_text_if_the_system_asks_for_more_contrast(page):
-    colours = "[getComputedStyle($('language')).borderTopColor, getComputedStyle($('question-count')).color]"
-    page.emulate_media(contrast="more")
-    assert {*page.evaluate(colours)} == {page.evaluate("getComputedStyle(document.body).color")}
-    page.emulate_media(contrast="no-preference")
-    assert page.evaluate("getComputedStyle(document.body).color") not in page.evaluate(colours)
-
-
 def test_the_coordinates_of_P_say_their_origin(page):
     row, P = page.locator("[data-quantity=P] dd"), page.locator("#value-P")
     for values, text, origin in (
@@ -56,10 +48,8 @@ SERIES = {"windows": 2, "alpha": 120, "alpha2": 120}
 SCENES = [
     *({}, {"E": [9, 1]}, {"E": [0, 10], "alpha": 180}, {"L": [4, -0.85]}, {"L": [1.9, 0]}, {"z1": 60}),
     *({"sheet": "none", "L": [4, 0]}, {"sheet": "single", "L": [4, 0]}, {"sheet": "single", "z1": 20}),
-    *(LENSLETS, LENSLETS | {"E": [1.5, 0.5]}, {"sheet": "mirror", "alpha": 90, "z1": 6, "E": [-1.4, 1]}),
+    *(LENSLETS | {"E": [1.5, 0.5]}, {"sheet": "mirror", "alpha": 90, "z1": 6, "E": [-1.4, 1]}),
     *({"sheet": "axis", "alpha": 180}, *({"sheet": sheet} for sheet in KINDS)),
-    *({"sheet": "lens", "focal_length": 1.5}, {"sheet": "view-rotator", "z1": 6}, {"sheet": "twist", "twist": 90}),
-    {"sheet": "refraction", "alpha": 180, "ratio": 0.7, "z1": 4.2},
     *(SERIES, SERIES | {"L": [3, -0.85]}),
     *({"alpha": 180, "z1": 6} | {"E": E} for E in ([0, 0], [1.5, 0.5], [0, -1.2])),
 ]
@@ -104,16 +94,6 @@ def ends(page):
     return page.evaluate(f"QUESTIONS.map((question) => ({{ ...question.before, ...({after}) }}))")
 
 
-def test_an_answer_is_shown_from_its_premise(page):
-    """Whatever a class has changed since the question was asked."""
-    page.emulate_media(reduced_motion="reduce")
-    for n, end in enumerate(ends(page)):
-        page.evaluate("(n) => openQuestion(n)", n)
-        sentence(page, scene="spheres", sheet="mirror", alpha=-17, z1=1.5, z2=3, E=[1, 1], L=[0.5, 0.3], piece="king")
-        page.evaluate("reveal()")
-        assert page.evaluate("(names) => pick(state, ...names)", [*end]) == end
-
-
 def test_a_verdict_stays_and_try_again_asks_anew(page):
     page.emulate_media(reduced_motion="reduce")
     inputs, answer = page.locator("#prediction input"), page.locator("#answer")
@@ -127,18 +107,11 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
         predict(wrong)
         expect(answer).to_contain_text("No: ")
         assert all(each.is_disabled() for each in inputs.all())
-        page.evaluate(
-            "$('prediction').querySelectorAll('input').forEach((input) => { input.checked = input.value = 6; })"
-        )
         show(page, alpha=10)
         expect(answer).to_contain_text("No: ")
         page.get_by_role("button", name="Try again").click()
         expect(answer).to_be_empty()
-        assert (
-            page.evaluate("state.alpha === QUESTIONS[state.question].before.alpha && document.activeElement.id")
-            == "ask"
-        )
-        assert page.evaluate("Boolean(new FormData($('question-form')).get('prediction'))") is False
+        assert page.evaluate("state.alpha === QUESTIONS[state.question].before.alpha")
         predict(right)
         expect(answer).to_contain_text("Yes: ")
 
@@ -154,34 +127,8 @@ def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):
     assert sentence(page, z2=1000).endswith("answer. z₂ is at most 150.")
     assert sentence(page, windows=1, sheet="ideal", z1=0.1).endswith("the piece would touch the frame.")
 
-    def revealed(n):
-        page.evaluate("(n) => { openQuestion(n); reveal(); }", n)
-        return sentence(page)
-
-    assert revealed(2).startswith(
-        "The mountains appear turned by 66.0° counter-clockwise. The knight appears turned by 15"
-    )
-    assert "floats 2 tiles in front" in revealed(6)
-    assert revealed(8).startswith("The pole: one point of the knight fills the whole window")
-    show(page)
-    expect(page.locator("#answer")).to_contain_text("You see only wood")
-    assert drawn(page) - {2} == {3}  # nothing but wood
-
-
-def test_another_question_of_ones_own_replaces_the_first(page):
-    """In the history two of them can follow each other. Each has its own choices and votes."""
-    open_own = """(choices) => {
-      const question = { ask: choices.join(), choices, why: "", before: "", after: "" };
-      fromHash(`#own=${encodeURIComponent(JSON.stringify(question))}`);
-      draw();
-    }"""
-    page.evaluate(open_own, ["a", "b"])
-    page.evaluate("$('votes').querySelector('input').value = 3")
-    page.evaluate("$('votes').querySelector('input').dispatchEvent(new Event('input'))")
-    page.evaluate(open_own, ["c", "d", "e"])
-    expect(page.locator("#ask")).to_have_text("c,d,e")
-    assert page.evaluate("[...$('votes').querySelectorAll('input')].map(({ value }) => value)") == ["0"] * 3
-    page.evaluate("openQuestion(-1); QUESTIONS.pop(); session.own_question = ''; draw()")
+    page.evaluate("openQuestion(6); reveal()")
+    assert "floats 2 tiles in front" in sentence(page)
 
 
 # ---- Settings, history, movies ----
@@ -200,14 +147,6 @@ def test_settings_that_a_movie_replaces_come_back(page):
         undo.click()
         assert page.evaluate("({ ...state })") == before
         expect(undo).to_be_hidden()
-    show(page, alpha=100, z1=3)
-    page.evaluate("openQuestion(3)")
-    page.get_by_role("button", name="Reset").click()
-    undo.click()
-    assert page.evaluate("[state.question, state.alpha, state.z1]") == [-1, 100, 3]  # not the question's
-    page.evaluate("fromHash('')")
-    page.get_by_role("button", name="vary z₁").click()
-    expect(undo).to_be_hidden()  # nothing was the user's own
 
 
 def test_each_window_keeps_its_own_settings(page):

@@ -2,13 +2,10 @@
 
 import re
 
-import pytest
 from conftest import PROJECT, povgen, refused
 from playwright.sync_api import expect
 
-from povgen import InputError, Spheres, live
-from povgen.page import page as teaching
-from povgen.page.page import demo
+from povgen import Spheres, live
 
 
 def test_the_page_is_one_small_file(demo_file):
@@ -43,23 +40,6 @@ def test_the_command(tmp_path):
         (["--piece", "nowhere.inc"], "piece"),
     ):
         assert said in refused(["demo", *wrong], tmp_path)
-
-
-def test_what_cannot_be_is_refused_before_anything_is_rendered(tmp_path, monkeypatch):
-    monkeypatch.setattr(teaching, "volumes", None)
-    with pytest.raises(InputError, match="quality"):
-        demo(tmp_path / "page.html", movies=True, quality="best")
-    with pytest.raises(InputError, match="allowed"):
-        demo(tmp_path / "page.pdf")
-    assert not list(tmp_path.iterdir())
-
-
-def test_back_takes_back_another_language(page):
-    page.evaluate("keepAddress()")
-    page.get_by_label("Language").select_option("de")
-    page.wait_for_function("location.hash.includes('language=de')")
-    page.go_back()
-    page.wait_for_function("spoken.language === 'en' && !toHash().includes('language')")
 
 
 def test_back_and_forward(page):

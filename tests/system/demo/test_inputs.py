@@ -4,12 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from conftest import scene_of, wait_for
+from conftest import scene_of
 from playwright.sync_api import expect
 
-from demo.conftest import bounds, centre, drag, numbers, show
+from demo.conftest import bounds, centre, drag, show
 from povgen.optics import equations
-from povgen.page.page import KINDS
 
 
 def test_sliders_of_other_sheets(page):
@@ -33,34 +32,10 @@ def test_sliders_of_other_sheets(page):
     expect(page.locator("#scrub-value")).to_have_text("α = 0.0°")
 
 
-def test_a_field_whose_text_is_again_what_it_was_follows_the_state(page):
-    field = page.locator("#number-z1")
-    field.press("End")
-    page.keyboard.press("5")
-    page.keyboard.press("Backspace")
-    show(page, z1=4)
-    expect(field).to_have_value("2")  # someone is still typing
-    field.blur()
-    expect(field).to_have_value("4")
-
-
 def test_numbers_are_typed_and_sliders_moved(page):
     page.get_by_label("the light is turned by").last.fill("90")
-    assert numbers(page)["nu"] == pytest.approx(np.degrees(equations.nu(3, np.pi / 2)), abs=0.051)
+    expect(page.locator("#value-nu")).to_have_text(f"{np.degrees(equations.nu(3, np.pi / 2)):.1f}°")
     assert page.evaluate("$('slider-alpha').value") == "90"
-    for name, typed, kept in (
-        ("z1", "1e9", 5000),
-        ("z2", "-3", 0.161),
-        ("prisms", "400.2", 400),
-        ("alpha", "-400", -180),
-    ):
-        page.locator("#sheet input[value=detailed]").check()
-        field = page.locator(f"#number-{name}")
-        field.fill(typed)
-        field.blur()
-        page.evaluate("draw()")
-        scene_of(page)  # povgen allows it
-        assert float(field.input_value()) == pytest.approx(kept, rel=0.2 if name == "z2" else 1e-9)
     page.locator("#slider-z2").focus()
     before = page.evaluate("moment().z2")
     page.keyboard.press("End")
@@ -71,7 +46,7 @@ def test_numbers_are_typed_and_sliders_moved(page):
         page.locator(f"#number-{field}").fill(str(value))
     assert page.evaluate("[...state.L, ...state.E]") == [0.5, -0.4, -0.3, 0.2]
     page.locator("#number-alpha").fill("")  # while someone types
-    assert page.evaluate("state.alpha") == -180
+    assert page.evaluate("state.alpha") == 90
 
 
 def test_what_is_changed_is_said(page):
@@ -82,7 +57,6 @@ def test_what_is_changed_is_said(page):
         ("z1", "2,5", 2.5, ""),
         ("prisms", "10.4", 10, "N is a whole number."),
         ("alpha", "12 or so", 180, "“12 or so” is not a number."),
-        ("Ex", "−0,3", -0.3, ""),
         ("Ey", "-5", None, "y of E is at least −1.6: the floor is below."),
     ):
         field = page.locator(f"#number-{name}")
@@ -92,7 +66,7 @@ def test_what_is_changed_is_said(page):
         text = page.locator("#sentence").text_content()
         assert said in text if said else not re.search("at least|at most|number", text), text
         if value is not None:
-            assert page.evaluate("({ ...state, Ex: state.E[0] })")[name] == value
+            assert page.evaluate("({ ...state })")[name] == value
     page.locator("#number-alpha").press("ArrowDown")
     assert page.evaluate("state.alpha") == 179
 
@@ -105,9 +79,6 @@ def test_arrow_keys_choose_the_next_sphere(page):
     for key, aside in (("ArrowLeft", -1), ("ArrowRight", 0), ("ArrowUp", 1)):
         page.keyboard.press(key)
         assert page.evaluate("moment().z1") == distances[before + aside]
-    page.locator("#number-z1").fill("1e4")
-    page.evaluate("draw()")
-    expect(page.locator("#sentence")).to_contain_text("No sphere is at z₁")
 
 
 def test_few_large_prisms_push_eye_and_object_away(page):
@@ -130,7 +101,7 @@ def test_one_sheet_has_no_angle_and_two_sizes(page, level):
     expect(page.locator("#about-bare")).to_be_hidden()
 
 
-@pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed", *sorted({*KINDS} - {"axis", "twist"})])
+@pytest.mark.parametrize("sheet", ["none", "single", "ideal", "detailed", "lens", "refraction"])
 def test_the_image_follows_the_pointer(page, sheet):
     show(page, sheet=sheet, alpha=120)
     start, step = centre(page, "#object-picture"), 0.4 + 0.2j
@@ -206,16 +177,6 @@ def test_arrow_keys_move_eye_and_object(page):
     expect(page.locator("#eye-picture")).to_have_attribute(
         "aria-label", "Eye E, 0.05 tiles to the right and 0.25 tiles up from the window’s middle: arrow keys move it"
     )
-
-
-def test_a_double_tap_resets_the_eye(page):
-    show(page, E=[0.8, 0.3])
-    area = page.locator("#stage").bounding_box()
-    x, y = area["x"] + 0.3 * area["width"], area["y"] + 0.3 * area["height"]
-    page.mouse.click(x, y)
-    assert page.evaluate("state.E") == [0.8, 0.3]
-    # on a busy machine, two clicks can be too far apart in time
-    wait_for(lambda: page.mouse.dblclick(x, y) or page.evaluate("state.E") == [0, 0], 20)
 
 
 def test_a_swipe_that_scrolls_the_page_moves_nothing(page):

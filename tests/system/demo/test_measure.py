@@ -1,7 +1,5 @@
 """Measuring on the page's picture: the protractor, the ruler, the table and its curves."""
 
-import re
-
 import pytest
 from playwright.sync_api import expect
 
@@ -84,14 +82,7 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     expect(measure.locator("#sentence")).to_contain_text("turned by 18.4°")
     label = measure.locator("#plot-nu").get_attribute("aria-label")
     assert label == "ν over α. By the equation, ν is now 18.4°. Measured points: 1."
-    assert measure.locator("#plot-nu text", has_text=re.compile("^30$")).count() == 1
-    units = measure.locator("#plot-nu text").all_text_contents()
-    assert "α / °" in units and "ν / °" in units
-    measure.get_by_role("button", name="Write down").press("Enter")
-    show(measure, z1=4)
-    measure.get_by_role("button", name="Write down").press("Enter")
-    measure.evaluate("draw()")
-    assert "z₁ / tiles" in measure.locator("#plot-M text").all_text_contents()
+    assert {"30", "α / °", "ν / °"} <= {*measure.locator("#plot-nu text").all_text_contents()}
 
 
 def test_a_row_is_filled_by_hand_saved_and_removed(measure):

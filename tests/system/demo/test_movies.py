@@ -22,13 +22,6 @@ def test_presets_play_loop_stop_and_scrub(page):
     assert page.evaluate("state.z1") == pytest.approx(7.2**0.5)  # midway between 0.6 and 12 by ratio
     page.evaluate("draw()")
     expect(page.locator("#scrub-value")).to_have_text("z₁ = 2.68")
-    page.locator("#scrub").fill("501.3")  # any value, not steps
-    assert page.evaluate("state.z1") == pytest.approx(0.6 * (12 / 0.6) ** 0.5013)
-    show(page, z1=0.05)
-    z1 = page.locator("#number-z1").input_value()  # the piece would touch the frame
-    assert float(z1) > 0.5
-    expect(page.locator("#scrub-value")).to_have_text(f"z₁ = {float(z1):.3g}")
-    expect(page.locator("#scrub")).to_have_attribute("aria-valuetext", f"{float(z1):.3g} tiles")
     page.get_by_role("button", name="Stop").click()
     assert page.evaluate("[state.z1, player.playing]") == [0.6, False]
     page.evaluate("player.seek(0.99)")
@@ -44,25 +37,6 @@ def test_presets_play_loop_stop_and_scrub(page):
     page.evaluate("player.pause(); draw()")
     show(page, scene="chess")
     assert page.evaluate("player.preset.name") == "vary-alpha"
-
-
-def test_each_frame_is_drawn_once_however_often_a_movie_is_started(page):
-    ticks = page.evaluate(
-        """() => new Promise((done) => {
-          for (let n = 0; n < 5; n++) player.choose(data.presets[0]);
-          const { tick } = player;
-          let count = 0, frames = 0;
-          player.tick = (time) => { count += 1; tick.call(player, time); };
-          const after = () => {
-            if (++frames < 5) return requestAnimationFrame(after);
-            Object.assign(player, { tick });
-            player.pause();
-            done(count);
-          };
-          requestAnimationFrame(after);
-        })"""
-    )
-    assert 4 <= ticks <= 5
 
 
 def test_reduced_motion(page):
@@ -108,29 +82,17 @@ def test_povrays_movie_is_shown_at_the_same_value(browser, tmp_path, monkeypatch
     expect(name).to_have_text("<b>'&\"<i>")
     page.locator("#piece").select_option(index=6)
     page.wait_for_function("view.converged()")
-    (tmp_path / "page #1-vary-alpha.mp4").unlink()
-    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
-    page.reload()
-    expect(page.locator("#message")).to_contain_text("needs WebGL 2")
-    expect(page.locator("#video")).to_be_hidden()  # the movie is gone
     page.close()
 
 
 def test_slow_playback_takes_four_times_as_long(page):
     """The step between two frames that are 200 ms apart."""
-    steps = []
-    for slow in (False, True):
-        page.locator("#slow").set_checked(slow)
-        steps.append(
-            page.evaluate(
-                """() => {
-                  player.seek(0);
-                  Object.assign(player, { playing: true, since: 1000 });
-                  player.tick(1200);
-                  player.playing = false;
-                  return player.part();
-                }"""
-            )
-        )
-    page.locator("#slow").uncheck()
-    assert steps[0] == pytest.approx(4 * steps[1], rel=0.02) and steps[1] > 0
+    step = """(slow) => {
+      $("slow").checked = slow;
+      player.seek(0);
+      Object.assign(player, { playing: true, since: 1000 });
+      player.tick(1200);
+      player.playing = $("slow").checked = false;
+      return player.part();
+    }"""
+    assert page.evaluate(step, False) == pytest.approx(4 * page.evaluate(step, True), rel=0.02) != 0

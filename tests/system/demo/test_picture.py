@@ -133,43 +133,6 @@ def test_the_picture_can_be_saved_with_its_numbers(page):
     assert page.evaluate("state.caption") is False
 
 
-@pytest.mark.release
-def test_a_picture_that_is_out_of_sight_can_be_saved(page):
-    show(page, sheet="none")
-    before = picture(page)
-    page.evaluate("document.body.style.paddingTop = '3000px'; scrollTo(0, 0)")
-    page.wait_for_function("view.lost")
-    with page.expect_download() as download:
-        page.evaluate("$('save').click()")
-    saved = pixels(download.value.path().read_bytes())
-    page.evaluate("document.body.style.paddingTop = ''; scrollTo(0, 0)")
-    assert abs(saved.mean() - before.mean()) < 10
-
-
-@pytest.mark.release
-def test_a_picture_without_its_curtain_can_be_saved(page):
-    """The other view, which is hidden, has no context any more."""
-    page.get_by_label("compare with").select_option("no sheet")
-    page.evaluate("draw()")
-    page.wait_for_function("otherView().gl && otherView().converged()")
-    page.get_by_label("compare with").select_option("nothing")
-    page.evaluate("draw()")
-    page.wait_for_function("otherView().lost")
-    with page.expect_download():
-        page.evaluate("$('save').click()")
-
-
-def test_a_lost_context_is_said_and_comes_back(page):
-    show(page, sheet="none")
-    before = picture(page)
-    page.evaluate("window.loss = view.gl.getExtension('WEBGL_lose_context'); loss.loseContext()")
-    expect(page.locator("#message")).to_contain_text("starts again")
-    show(page, alpha=90)  # does nothing, and fails not
-    page.evaluate("loss.restoreContext()")
-    expect(page.locator("#message")).to_be_hidden()
-    assert abs(picture(page) - before).max() <= 2
-
-
 def test_without_webgl_the_page_says_so(browser, demo_file):
     page = browser.new_page(viewport=WORK)
     page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
@@ -203,9 +166,3 @@ def test_a_curtain_shows_two_settings(page):
     assert page.locator("#curtain-names span").all_text_contents() == ["ideal sheet", "no sheet"]
     page.locator("#curtain").press("ArrowLeft")
     assert page.evaluate("session.curtain") == 0.49
-    places = """[view, otherView()].map(({ scene }) =>
-      [...geometry.pieces(scene).map(({ foot }) => foot), ...geometry.spheres(scene).map(({ centre }) => centre)])"""
-    for values in ({"windows": 2, "d": 6, "z1": 2, "z2": 8}, {"scene": "spheres"}, {"windows": 1}):
-        show(page, **values)
-        left, right = page.evaluate(places)
-        assert len(left) and left == [pytest.approx(place) for place in right]  # nothing but the sheets is exchanged

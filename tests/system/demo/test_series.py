@@ -36,9 +36,7 @@ def test_a_choice_of_two_sheets_shows_their_sliders(page):
     for first, second, wanted in (
         ("ideal", "same", {"alpha", "alpha2", "d"}),
         ("lens", "ideal", {"focal_length", "alpha2", "d"}),
-        ("ideal", "lens", {"focal_length", "alpha", "d"}),
         ("axis", "detailed", {"alpha", "number-axisx", "alpha2", "d", "prisms"}),
-        ("lenslets", "twist", {"alpha", "ratio", "alpha2", "twist", "d"}),
         ("detailed", "single", {"alpha", "alpha2", "d", "prisms"}),
     ):
         choose(page, first, second)
@@ -62,17 +60,6 @@ def test_a_sheet_begins_with_its_own_values(page):
     assert page.evaluate("[state.alpha, state.alpha2, state.axis]") == [120, 20, [0, 1, 0]]
     page.locator("#undo").click()
     assert page.evaluate("[state.sheet2, state.alpha2]") == ["same", 77]
-
-
-def test_no_ideal_sheet_is_offered_behind_prisms(page):
-    choose(page, "lens", "detailed")
-    page.locator("#of-sheet").select_option("detailed")
-    offered = "[...$('of-sheet2').options].filter(({ disabled }) => !disabled).map(({ value }) => value)"
-    expect(page.locator("#of-sheet2")).to_have_value("detailed")
-    page.wait_for_function(f"{offered}.length === 3")
-    assert sorted(page.evaluate(offered)) == ["detailed", "same", "single"]
-    page.locator("#of-sheet").select_option("ideal")
-    page.wait_for_function(f"{offered}.length > 10")
 
 
 @pytest.mark.parametrize("values", [LENS, GLASS], ids=["lens", "axis"])

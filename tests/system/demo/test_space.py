@@ -85,10 +85,6 @@ def test_a_ray_through_a_chosen_point_says_what_the_eye_sees_there(page):
     assert page.evaluate("state.W") == pytest.approx([-1.2, -1.3], abs=0.02)
     expect(says).to_contain_text("the eye sees: the floor.")
     assert "W=-1.1" in page.evaluate("toHash()")
-    show(page, W=[9, 0])
-    assert page.evaluate("state.W[0]") == pytest.approx(1.45)  # in the window
-    show(page, light="ray")
-    expect(ring).to_be_hidden()
 
 
 def test_a_loop_perpendicular_to_the_rays_does_not_close(page):

@@ -33,11 +33,10 @@ def test_it_begins_by_itself(browser, demo_file):
     page.close()
 
 
-@pytest.mark.parametrize("first", ["$('tab-measure').click()", "change({ alpha: 30 }); player.play()"])
-def test_it_does_not_begin_for_who_has_begun(browser, demo_file, first):
+def test_it_does_not_begin_for_who_has_begun(browser, demo_file):
     """Before the picture is ready."""
     page = browser.new_page(reduced_motion="no-preference")
-    page.add_init_script(f"addEventListener('DOMContentLoaded', () => {{ {NAMES}; {first}; }})")
+    page.add_init_script(f"addEventListener('DOMContentLoaded', () => {{ {NAMES}; $('tab-measure').click(); }})")
     page.goto(demo_file.as_uri())
     assert page.evaluate("view.ready.then(() => [tour.step, Boolean(view.gl)])") == [-1, True]
     page.close()
@@ -100,10 +99,6 @@ def test_who_goes_from_step_to_step_sees_and_hears_where_each_one_ends(tour):
         ("This is one prism", "One sheet exchanges sky and floor."),
         ("A hundred such prisms", ""),
         ("A second sheet mirrors again", "The knight appears turned by 1[0-9.]+° counter-clockwise"),
-        ("Few large prisms", "The knight appears turned by 14.[0-9]° counter-clockwise"),
-        ("With prisms too small to see", "The knight appears turned by 19.1° counter-clockwise"),
-        ("Why[?]", "The knight appears turned by 4[0-9.]+° counter-clockwise"),
-        ("But what is near", "The knight appears not turned, and 2.00 times as large"),
     ):
         button.press("Enter")
         tour.evaluate("draw()")
@@ -133,29 +128,3 @@ def test_with_reduced_motion_each_step_waits(tour):
     assert tour.evaluate("tour.passed") == tour.evaluate(frame) > 0
     tour.get_by_role("button", name="Next").press("Enter")
     assert tour.evaluate("tour.step") == 4
-
-
-def test_a_panel_begins_with_what_the_page_showed_before(tour):
-    assert tour.evaluate("state.sheet") == "none"
-    tour.get_by_role("tab", name="Measure").click()
-    assert tour.evaluate("[tour.step, state.sheet, state.alpha]") == [-1, "ideal", 30]
-    tour.get_by_role("tab", name="Explore").click()
-
-
-def test_a_prediction_comes_back_with_its_question(tour):
-    tour.evaluate("tour.leave(); openQuestion(1); draw()")
-    tour.locator("#prediction input").nth(1).check()
-    tour.get_by_role("button", name="Guided start").click()
-    tour.evaluate("tour.paused = true; draw()")
-    tour.locator("#tour-leave").click()
-    tour.evaluate("draw()")
-    expect(tour.locator("#prediction input").nth(1)).to_be_checked()
-    tour.evaluate("openQuestion(-1); draw()")
-
-
-def test_another_language_goes_on_with_it(tour):
-    tour.locator("#language").select_option("de")
-    tour.evaluate("draw()")
-    expect(tour.locator("#tour-text")).to_contain_text("Ein Fenster steht auf einem Boden")
-    tour.locator("#language").select_option("en")
-    assert tour.evaluate("tour.step") == 0
