@@ -58,15 +58,9 @@ def bar(what: str, total: int, quiet: bool = False, unit: str = "frames") -> Ite
             shown.progress += 1
 
         yield advance
-    elif sys.stderr is not None and sys.stderr.isatty():
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-        name = TextColumn("{task.description}", markup=False)
-        columns = name, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-        with Progress(*columns, console=Console(stderr=True)) as progress:
-            task = progress.add_task(one_line(what), total=total)
-            yield lambda: progress.advance(task)
+    elif _is_terminal():
+        with _on_terminal(what, total, parts=False) as advance_by:
+            yield lambda: advance_by(1)
     else:
         count = 0
 
@@ -86,16 +80,28 @@ def parts(what: str, total: int, quiet: bool = False) -> Iterator[Callable[[floa
     Yield a function, to call with the fraction of a picture that was rendered since its last call. Yield None if
     nothing is shown. `total` is the number of pictures.
     """
-    if quiet or sys.stderr is None or not sys.stderr.isatty():
+    if quiet or not _is_terminal():
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    with _on_terminal(what, total, parts=True) as advance_by:
+        yield advance_by
 
-    columns = TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(one_line(what), total=total)
-        yield lambda part: progress.advance(task, part)
+
+@contextmanager
+def _on_terminal(what: str, total: int, parts: bool) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar on a terminal, with the number of units, or the percentage if it counts parts of them."""
+    from rich import console, progress
+
+    name, left = progress.TextColumn("{task.description}", markup=False), progress.TimeRemainingColumn()
+    done = progress.TaskProgressColumn() if parts else progress.MofNCompleteColumn()
+    columns = name, progress.BarColumn(), done, left
+    with progress.Progress(*columns, console=console.Console(stderr=True), transient=parts) as bars:
+        task = bars.add_task(one_line(what), total=total)
+        yield lambda part: bars.advance(task, part)
+
+
+def _is_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()
 
 
 def _in_notebook() -> bool:

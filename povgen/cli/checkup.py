@@ -74,8 +74,9 @@ def _sandbox() -> str:
 
 def _limits() -> str:
     """Return which limits POV-Ray runs under. It is no fault if one is missing, but the user should know."""
-    if missing := povray.missing_protection():
-        return f"set by a shell, because setpriv and prlimit (util-linux) are missing; {'; '.join(missing)}"
+    if not povray.util_linux():
+        missing = "setpriv and prlimit (util-linux) are missing: memory and the size of files are not limited"
+        return f"time; {missing}, and if povgen is killed, POV-Ray runs on"
     return "time, memory and size of files; POV-Ray ends when povgen ends"
 
 

@@ -14,7 +14,7 @@ from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.liveview.values import values
 from povgen.liveview.view import html
-from povgen.rendering.light import encoded
+from povgen.scene.hdr import encoded
 from povgen.scene.scenes import Scene
 
 if TYPE_CHECKING:

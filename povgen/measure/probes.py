@@ -168,11 +168,6 @@ class ApparentObject:
     a: complex
     b: complex
 
-    @property
-    def rotation(self) -> float:
-        """Return the angle, radians, by which the object appears turned counter-clockwise."""
-        return float(np.angle(self.a))
-
 
 def locate(position: Complexes, on_object: Complexes, radius: float) -> ApparentObject | None:
     """Return where the point 0 of an object appears, or None if too little of the object is visible.

@@ -34,6 +34,7 @@ Signature: 8a477f597d28d172789f06886806bc55
 # This folder is povgen's. It keeps rendered frames here, and removes those that have not been used for longest.
 # What such a file is for: https://bford.info/cachedir/
 """
+STORED = re.compile(r"[0-9a-f]{64}\.(png|light|values)")
 HINT = "povgen's cache; POVGEN_CACHE can name another folder"
 
 
@@ -178,30 +179,17 @@ def store_values(key: str, values: object) -> None:
 
 
 def by_last_use() -> list[tuple[float, int, Path]]:
-    """Return each file's time of last use, size in bytes and path. The least recently used comes first."""
-    now = time.time()
-    # a time in the future does not say when the file was used
-    return sorted((used if used <= now else 0.0, size, path) for used, size, path in _stored())
-
-
-def _stored() -> Iterator[tuple[float, int, Path]]:
-    """Yield time of last use, size and path of each file that `store` may have put there."""
-    for subfolder in _entries(folder()):
-        if re.fullmatch("[0-9a-f]{2}", subfolder.name) and subfolder.is_dir(follow_symlinks=False):
-            for entry in _entries(subfolder):
-                here = entry.name.startswith(subfolder.name)
-                named = here and re.fullmatch(r"[0-9a-f]{64}\.(png|light|values)", entry.name)
-                with suppress(FileNotFoundError):  # another povgen has just removed it
-                    status = entry.stat(follow_symlinks=False)
-                    if named and stat.S_ISREG(status.st_mode):
-                        yield status.st_atime, status.st_size, Path(entry.path)
-
-
-def _entries(parent: Path | os.DirEntry[str]) -> list[os.DirEntry[str]]:
-    """Return what is in a folder: nothing if the folder is missing or unreadable."""
-    with suppress(FileNotFoundError, NotADirectoryError, PermissionError), os.scandir(parent) as found:
-        return list(found)
-    return []
+    """Return time of last use, bytes and path of each file that `store` may have put there, the least recent first."""
+    found, now = [], time.time()
+    for path in folder().glob("[0-9a-f][0-9a-f]/*"):
+        if STORED.fullmatch(path.name) and path.name.startswith(path.parent.name) and not path.parent.is_symlink():
+            with suppress(FileNotFoundError):  # another povgen has just removed it
+                status = path.lstat()
+                if stat.S_ISREG(status.st_mode):
+                    # a time in the future does not say when the file was used
+                    used = status.st_atime if status.st_atime <= now else 0.0
+                    found.append((used, status.st_size, path))
+    return sorted(found)
 
 
 def trim(most: float) -> list[Path]:

@@ -81,11 +81,8 @@ class Cluster:
         Raises PovrayError, which names the worker if POV-Ray failed there, and TransientError if several workers were
         lost.
         """
-        png = self.call(render, source, rendering, pictures.used(source))
-        if not isinstance(png, bytes):
-            raise self.other_code(png)
         picture = folder / rendering.file
-        picture.write_bytes(png)
+        picture.write_bytes(self.call(render, source, rendering, pictures.used(source)))
         return picture
 
     def call(self, function: Callable[..., Result], *arguments: object) -> Result:
@@ -111,11 +108,6 @@ class Cluster:
             raise PovrayError(f"scheduler {self._scheduler}: {_first_line(error)}") from None
         finally:
             future.release()
-
-    def other_code(self, answer: object) -> PovrayError:
-        """Return the error for an answer of another kind than wanted."""
-        kind = type(answer).__name__
-        return PovrayError(f"scheduler {self._scheduler}: a worker answered with a {kind}: its povgen has other code")
 
     def stop(self) -> None:
         """Wait for no more frames. A POV-Ray that runs on a worker finishes its frame."""

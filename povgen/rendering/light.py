@@ -10,6 +10,7 @@ from PIL import Image
 
 from povgen import remedies
 from povgen.errors import InputError
+from povgen.scene import hdr
 
 Picture = NDArray[np.uint8]
 Light = NDArray[np.float32]
@@ -17,14 +18,7 @@ Light = NDArray[np.float32]
 
 def linear(picture: Picture) -> Light:
     """Return the light, 0 to 1, of sRGB bytes."""
-    encoded = np.arange(256, dtype=np.float32) / 255
-    light = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return np.asarray(light, np.float32)[picture]
-
-
-def encoded(light: Light) -> Light:
-    """Return light, 0 to 1, in the encoding of sRGB, 0 to 255."""
-    return np.asarray(255 * np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055), np.float32)
+    return hdr.linear(range(256))[picture]
 
 
 def reduced(picture: Picture, size: tuple[int, int]) -> Picture:
@@ -35,7 +29,7 @@ def reduced(picture: Picture, size: tuple[int, int]) -> Picture:
     """
     made = np.empty((size[1], size[0], 3), np.uint8)
     for colour in range(3):  # one after the other, so that large pictures need less memory
-        made[..., colour] = encoded(_reduced(linear(picture[..., colour]), size)) + 0.5
+        made[..., colour] = hdr.encoded(_reduced(linear(picture[..., colour]), size)) + 0.5
     return made
 
 
@@ -119,4 +113,4 @@ def from_exr(path: Path, size: tuple[int, int]) -> Path:
 
 def as_16_bits(light: Light) -> NDArray[np.uint16]:
     """Return light in the encoding of sRGB, 0 to 65535. What is brighter than white is white."""
-    return np.asarray(encoded(light.clip(0, 1)) * np.float32(65535 / 255) + np.float32(0.5), np.uint16)
+    return np.asarray(hdr.encoded(light.clip(0, 1)) * np.float32(65535 / 255) + np.float32(0.5), np.uint16)

@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache
 from itertools import count
-from math import ceil
 from pathlib import Path
 from threading import Thread
 from typing import IO
@@ -83,11 +82,6 @@ def library() -> Path:
     return Path(os.devnull)
 
 
-def _library() -> list[str]:
-    """Return POV-Ray's option for `library`. It must exist; POV-Ray reads the quotation marks itself."""
-    return [f'+L"{library()}"'] if library().is_dir() else []
-
-
 def library_files() -> list[str]:
     """Return the name, size and time of each file in `library`: a picture depends on them."""
     found = sorted((path, path.stat()) for path in library().glob("*") if path.is_file())
@@ -105,14 +99,13 @@ def command(binary: str, rendering: Rendering, threads: int = 1) -> list[str]:
 
 
 @cache
-def binary(name: str = "povray") -> str:
-    """Return the path of a program, by default POV-Ray. Raises PovrayError if it is not installed."""
-    found = shutil.which(name)
+def binary() -> str:
+    """Return the path of POV-Ray. Raises PovrayError if it is not installed."""
+    found = shutil.which("povray")
     if found is None:
-        what = "POV-Ray is not installed" if name == "povray" else "POV-Ray cannot be started"
-        remedy = f"; {remedies.system('povray')}; without it only --renderer gl draws" if name == "povray" else ""
-        raise PovrayError(f"{what}: no {name!r} on the PATH{remedy}")
-    return str(Path(found).absolute())  # absolute, because the program is started in other folders
+        remedy = f"{remedies.system('povray')}; without it only --renderer gl draws"
+        raise PovrayError(f"POV-Ray is not installed: no 'povray' on the PATH; {remedy}")
+    return os.path.abspath(found)  # the program is started in other folders
 
 
 def max_memory(at_once: int = 1, pixels: float = 0, shown: int = 0) -> int:
@@ -141,40 +134,24 @@ def _mebibytes(count: int) -> str:
 
 
 @cache
-def has_util_linux() -> bool:
-    """Whether util-linux's setpriv and prlimit are installed. BusyBox has a setpriv that cannot do the same."""
-    if not (shutil.which("setpriv") and shutil.which("prlimit")):
-        return False
-    trial = [binary("setpriv"), "--pdeathsig", "KILL", binary("prlimit"), "--core=0", "--", binary("prlimit"), "-V"]
-    return subprocess.run(trial, cwd="/", capture_output=True, timeout=60).returncode == 0
-
-
-def missing_protection() -> list[str]:
-    """Return a phrase for each protection that is missing: that POV-Ray ends with povgen, that memory is limited."""
-    if has_util_linux():
+def util_linux() -> list[str]:
+    """Return the paths of setpriv and prlimit, or nothing without them. BusyBox's setpriv cannot do it."""
+    found = [os.path.abspath(path) for path in map(shutil.which, ("setpriv", "prlimit")) if path]
+    if len(found) < 2:
         return []
-    missing = ["if povgen is killed, POV-Ray runs on, up to twice --timeout on each core"]
-    trial = [binary("sh"), "-c", f"ulimit -v {max_memory() >> 10}"]
-    if subprocess.run(trial, cwd="/", capture_output=True, timeout=60).returncode:
-        missing.append("POV-Ray's memory is not limited")
-    return missing
+    trial = [found[0], "--pdeathsig", "KILL", found[1], "--core=0", "--", found[1], "-V"]
+    return found if subprocess.run(trial, cwd="/", capture_output=True, timeout=60).returncode == 0 else []
 
 
-def _starter(timeout: float, threads: int, memory: int) -> tuple[list[str], list[str]]:
-    """Return the start of a command line that sets limits, and the programs that it runs.
+def _limits(memory: int) -> list[str]:
+    """Return the start of a command line that sets limits, by `util_linux`.
 
-    setpriv also kills the command when the thread of povgen that started it ends. Without util-linux a shell sets the
-    limits. A shell cannot kill the command, so it limits the CPU time as well.
+    setpriv also kills the command when the thread of povgen that started it ends.
     """
-    if has_util_linux():
-        programs = [binary("setpriv"), binary("prlimit")]
-        limits = [f"--as={memory}", f"--fsize={max_file()}", "--core=0"]
-        return [programs[0], "--pdeathsig", "KILL", programs[1], *limits, "--"], programs
-    # memory in KiB, the size of a file in blocks of 512 bytes, the CPU time of all threads together in seconds, and no
-    # core dump
-    values = {"v": memory >> 10, "f": max_file() >> 9, "t": ceil(2 * timeout * threads), "c": 0}
-    script = "".join(f"ulimit -{name} {value} 2>/dev/null; " for name, value in values.items())
-    return [binary("sh"), "-c", f'{script}exec "$@"', "sh"], [binary("sh")]
+    if not util_linux():
+        return []
+    setpriv, prlimit = util_linux()
+    return [setpriv, "--pdeathsig", "KILL", prlimit, f"--as={memory}", f"--fsize={max_file()}", "--core=0", "--"]
 
 
 @cache
@@ -288,11 +265,12 @@ class Runner:
         threads = 1 if ORDER_MATTERS.search(source) else self._threads
         width, height = rendering.size
         memory = max_memory(self._at_once, rendering.supersampling**2 * width * height, len(shown_files))
-        start, starters = _starter(rendering.timeout, threads, memory)
-        programs = [Path(program).resolve() for program in (*starters, binary())]
+        programs = [Path(program).resolve() for program in (*util_linux(), binary())]
+        # it must exist; POV-Ray reads the quotation marks itself
+        own_library = [f'+L"{library()}"'] if library().is_dir() else []
         status, messages = sandbox.within(
             lambda: self._process(
-                [*start, *command(binary(), rendering, threads), *_library(), *["+V"] * bool(self._part)],
+                [*_limits(memory), *command(binary(), rendering, threads), *own_library, *["+V"] * bool(self._part)],
                 folder,
                 rendering.timeout,
             ),

@@ -50,7 +50,9 @@ def read(data: bytes) -> "Light":
             at = _row(data, at, width, unpacked)
         pixels = np.frombuffer(unpacked, np.uint8).reshape(rows, 4, width).transpose(0, 2, 1)
     else:
-        pixels = _old_pixels(data[at:], rows * width).reshape(rows, width, 4)
+        if len(data) < at + 4 * rows * width:
+            raise ValueError(f"{WHOLE}, without run lengths of before 1991")
+        pixels = np.frombuffer(data, np.uint8, 4 * rows * width, at).reshape(rows, width, 4)
     # -Y +X: rows from the upper left to the right. +X -Y: columns.
     y, x = head[2], head[5]
     if head[3] == b"X":
@@ -107,11 +109,14 @@ def linear(encoded: Iterable[int]) -> "Light":
     return np.asarray(np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4), np.float32)
 
 
-def encoded(light: NDArray[Any]) -> NDArray[np.uint8]:
+def encoded(light: NDArray[Any]) -> "Light":
+    """Return light, 0 to 1, in the encoding of sRGB, 0 to 255."""
+    return np.asarray(255 * np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055), np.float32)
+
+
+def as_bytes(light: NDArray[Any]) -> NDArray[np.uint8]:
     """Return light as sRGB bytes. Light brighter than white becomes white, and below 0 black."""
-    light = light.clip(0, 1)
-    share = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return (255 * share + 0.5).astype(np.uint8)
+    return (encoded(light.clip(0, 1)) + 0.5).astype(np.uint8)
 
 
 def written(light: "Light") -> bytes:
@@ -122,27 +127,6 @@ def written(light: "Light") -> bytes:
     pixels[..., 3] = np.where((fraction > 0) & (exponent > -128), exponent + 128, 0)  # 0: black
     pixels[..., :3] = np.ldexp(light, 8 - exponent[..., None]) * (pixels[..., 3:] > 0)
     return b"#?RADIANCE\nFORMAT=%s\n\n-Y %d +X %d\n" % (RGBE, height, width) + pixels.tobytes()
-
-
-def _old_pixels(data: bytes, count: int) -> NDArray[np.uint8]:
-    """Return pixels (count, 4) that are stored one after the other.
-
-    In files of before 1991 the pixel 1, 1, 1, n stands for n copies of the one before; the next such pixel for 256 n.
-    """
-    stored = np.frombuffer(data, np.uint8, len(data) // 4 * 4).reshape(-1, 4)[:count]
-    is_run = (stored[:, :3] == 1).all(1)
-    if not is_run.any():
-        if len(stored) < count:
-            raise ValueError(WHOLE)
-        return stored
-    place = np.arange(len(stored))
-    source = np.maximum.accumulate(np.where(is_run, -1, place))  # of a run: the pixel before it
-    times = np.where(is_run, stored[:, 3].astype(int) << 8 * (place - source - 1).clip(0, 3), 1)
-    ends = np.cumsum(times)
-    last = int(np.searchsorted(ends, count))
-    if source[0] < 0 or last == len(ends) or ends[last] != count:
-        raise ValueError(WHOLE)
-    return stored[source[: last + 1]].repeat(times[: last + 1], axis=0)
 
 
 def _row(data: bytes, at: int, width: int, rows: bytearray) -> int:

@@ -150,32 +150,22 @@ def _ply(data: bytes) -> tuple[Any, Any, Any, str]:
     lines = [line.split() for line in head.splitlines() if line.split()]
     (order,) = (PLY_ORDERS[line[1]] for line in lines if line[0] == b"format")
     rows = _Rows(body, order)
-    vertices, corners, sizes, strips, left_out = array("d"), array("q"), array("q"), array("q"), ""
+    vertices, corners, sizes, left_out = array("d"), array("q"), array("q"), ""
     for name, count, properties in _elements(lines):
-        if name == b"range_grid":
-            raise ValueError("should be a PLY file of faces, without 'range_grid'")
         names = [each[-1] for each in properties]
         if name == b"vertex":
             x, y, z = (names.index(axis) for axis in (b"x", b"y", b"z"))
             for row in rows.take(count, properties):
                 vertices.extend((row[x], row[y], row[z]))
-        elif name in (b"face", b"tristrips"):
+        elif name == b"face":
             column = names.index(b"vertex_index" if b"vertex_index" in names else b"vertex_indices")
             for row in rows.take(count, properties):
-                if name == b"face":
-                    corners.extend([int(n) for n in row[column]])
-                    sizes.append(len(row[column]))
-                else:
-                    strips.extend([*(int(n) for n in row[column]), -1])
+                corners.extend([int(n) for n in row[column]])
+                sizes.append(len(row[column]))
         else:
             left_out = FLAT if name == b"edge" and count else left_out
             for _ in rows.take(count, properties):
                 pass
-    rows.check_end()
-    triangles = _strip(np.array(strips))
-    triangles = triangles[(triangles >= 0).all(1)]  # -1 ends a strip
-    corners.extend(triangles.ravel().tolist())
-    sizes.extend([3] * len(triangles))
     return np.array(vertices).reshape(-1, 3), np.array(corners), np.array(sizes), left_out
 
 
@@ -219,11 +209,6 @@ class _Rows:
         if self.at > len(self.data):
             raise ValueError
         return struct.unpack_from(order + types, self.data, start) if order else self.data[start : self.at]
-
-    def check_end(self) -> None:
-        """Raise ValueError if numbers are left."""
-        if self.data[self.at :].strip() if self.order else self.data[self.at :]:
-            raise ValueError
 
 
 def _glb(data: bytes) -> tuple[Any, Any, Any, str]:

@@ -174,7 +174,7 @@ def _by_numbers(image: Image.Image, gamma: float | None, chromaticities: Sequenc
     pixels = np.array(image)
     for top in range(0, len(pixels), BAND):
         band = hdr.converted(levels[pixels[top : top + BAND]], chromaticities)
-        pixels[top : top + BAND] = hdr.encoded(band)
+        pixels[top : top + BAND] = hdr.as_bytes(band)
     return Image.fromarray(pixels)
 
 

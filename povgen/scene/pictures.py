@@ -154,5 +154,5 @@ def as_png(file: File) -> bytes:
         return file.content
 
     png = BytesIO()
-    Image.fromarray(hdr.encoded(hdr.read(file.content))).save(png, "png")
+    Image.fromarray(hdr.as_bytes(hdr.read(file.content))).save(png, "png")
     return png.getvalue()

@@ -52,7 +52,11 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
     if rendering.caption == "full":
         rows = [_all_said(scene, facts(scene), full=True) for scene in scenes]
     elif rendering.caption == "short":
-        rows = _moving(scenes, rendering.side_view) if len(scenes) > 1 else [_still(scenes[0])]
+        rows = (
+            _moving(scenes, rendering.side_view)
+            if len(scenes) > 1
+            else [_all_said(scenes[0], _values(scenes[0]) or {"z1": facts(scenes[0])["z1"]})]
+        )
         size = MOVING if len(scenes) > 1 else 1.0
     else:
         rows = [[] for _ in scenes]
@@ -72,11 +76,6 @@ def _widest(texts: Sequence[str]) -> str:
     if len({len(row) for row in words}) == 1:
         return " ".join(max(each, key=text_width) for each in zip(*words, strict=True))
     return max(texts, key=text_width)
-
-
-def _still(scene: Scene) -> list[str]:
-    """Return the short caption of a picture."""
-    return _all_said(scene, _values(scene) or {"z1": facts(scene)["z1"]})
 
 
 def _all_said(scene: Scene, values: Mapping[str, str], full: bool = False) -> list[str]:
@@ -207,10 +206,11 @@ def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
     found: dict[str, Any] = {
         name: getattr(scene, name) for name in counts if name != "view" and (name in used or name not in PARAMETERS)
     }
+    said = {each.name: each.said for sheet in scene.sheets[::-1] for each in sheet.parameters}
     for n, (window, sheet) in enumerate(zip(scene.window, scene.sheets[1:], strict=True), 2):
-        own = {each.name: each for each in sheet.parameters}
+        own = {each.name: each.said for each in sheet.parameters}
         for name in swept_numbers(type(window)):
-            if name in own and getattr(window, name) is None and own[name].said != _words_of(scene, name):
+            if name in own and getattr(window, name) is None and own[name] != said[name]:
                 found[f"{name} {sheet.name}"] = getattr(scene, name)  # this kind has other words for the scene's value
             elif name in own or name not in PARAMETERS:
                 found[f"{name}{SUBSCRIPTS[n]}"] = getattr(window, name)
@@ -223,11 +223,6 @@ def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
         if all(isinstance(x, (int, float)) for x in several):
             values[name] = several if counts.get(name) == 2 else tuple(dict.fromkeys((min(several), max(several))))
     return values
-
-
-def _words_of(scene: Scene, name: str) -> Said | None:
-    """Return how the first sheet that has a parameter says it."""
-    return next((each.said for sheet in scene.sheets for each in sheet.parameters if each.name == name), None)
 
 
 def _in_each_window(scene: Scene, name: str) -> str:

@@ -47,28 +47,21 @@ MADE_PIXELS = 1 << 25  # if so many pictures have more pixels together, fewer ar
 MAX_LARGE = 2**22  # a record holds the pictures of sky and floor only up to this number of bytes; also the meshes
 
 
-@overload
-def render(
-    scene: Scene,
-    *,
-    linear: bool = False,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    progress: bool = True,
-    **options: Unpack[Options],
-) -> NDArray[Any]: ...
+class RenderOptions(Options, total=False):
+    """The options of `render`, for type checkers."""
+
+    linear: bool
+    workers: int | None
+    scheduler: str | None
+    progress: bool
 
 
 @overload
-def render(
-    scene: Iterable[Scene],
-    *,
-    linear: bool = False,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    progress: bool = True,
-    **options: Unpack[Options],
-) -> list[NDArray[Any]]: ...
+def render(scene: Scene, **options: Unpack[RenderOptions]) -> NDArray[Any]: ...
+
+
+@overload
+def render(scene: Iterable[Scene], **options: Unpack[RenderOptions]) -> list[NDArray[Any]]: ...
 
 
 def render(

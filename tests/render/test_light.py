@@ -13,6 +13,7 @@ from PIL import Image
 from povgen import Chess, InputError, Rendering, Spheres, info, movie, render, save, show
 from povgen.rendering import cache, light, povray
 from povgen.rendering.frames import is_whole, render_all
+from povgen.scene import hdr
 
 SCENE = Spheres(sheet="ideal", view=1.5, z1=(3, 6))  # with highlights
 SIZE = (96, 72)
@@ -33,7 +34,7 @@ def test_light_is_that_of_the_bytes(renderer, more):
     found = render(SCENE, linear=True, **options)
     assert found.dtype == np.float32 and found.shape == (72, 96, 3) and found.flags.writeable
     assert found.max() > 1.2 and found.min() >= 0
-    assert abs(light.encoded(found.clip(0, 1)) - render(SCENE, **options)).max() < 0.6
+    assert abs(hdr.encoded(found.clip(0, 1)) - render(SCENE, **options)).max() < 0.6
     assert np.array_equal(render(SCENE, bits=32, **options), found)
     assert np.array_equal(render(SCENE, linear=True, bits="32", **options), found)
 
@@ -68,7 +69,7 @@ def test_a_png_file_of_16_bits(renderer, tmp_path):
     found = np.frombuffer(subprocess.run(read, capture_output=True, check=True).stdout, np.uint16).reshape(72, 96, 3)
     assert np.array_equal(found, render(SCENE, **options))
     clipped = render(SCENE, **options | {"bits": 32}).clip(0, 1)
-    assert abs(found - 65535 / 255 * light.encoded(clipped)).max() < 0.51
+    assert abs(found - 65535 / 255 * hdr.encoded(clipped)).max() < 0.51
     assert len(np.unique(found)) > 2 * 256
     with Image.open(tmp_path / "a.png") as image:
         assert (image.info["srgb"], image.info["gamma"]) == (0, 0.45455)

@@ -5,6 +5,7 @@ import pytest
 
 from povgen import InputError, Rendering, Spheres, settings, to_pov
 from povgen.rendering import cache, light, povray
+from povgen.scene import hdr
 
 SIZE = (96, 72)
 
@@ -14,7 +15,7 @@ def test_light_is_averaged():
     checker = np.indices((64, 96)).sum(0)[..., None] % 2 * np.full(3, 255, np.uint8)
     assert (abs(light.reduced(checker.astype(np.uint8), (48, 32))[2:-2, 2:-2].astype(int) - 188) <= 1).all()
     every = np.arange(256, dtype=np.uint8).repeat(3).reshape(16, 16, 3)
-    assert (light.encoded(light.linear(every)).round() == every).all()
+    assert (hdr.encoded(light.linear(every)).round() == every).all()
 
 
 @pytest.mark.parametrize(("antialias", "far"), [("1.5x", 2), ("2x", 2), ("3x", 3), ("4x", 4)])

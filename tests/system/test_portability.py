@@ -2,8 +2,6 @@
 
 import os
 import shutil
-import signal
-import subprocess
 import sys
 from threading import Thread
 
@@ -20,11 +18,10 @@ FRAME = ["frame", "chess", "--sheet=none", "--size=64x48", "--quiet"]
 
 @pytest.fixture
 def few_programs(tmp_path, monkeypatch):
-    """A PATH with POV-Ray and a shell, but without util-linux."""
+    """A PATH with POV-Ray, but without util-linux."""
     (tmp_path / "bin").mkdir()
-    for name in ("povray", "sh"):
-        (tmp_path / "bin" / name).symlink_to(shutil.which(name))
-    known = (povray.binary, povray.version, povray.has_util_linux)
+    (tmp_path / "bin" / "povray").symlink_to(shutil.which("povray"))
+    known = (povray.binary, povray.version, povray.util_linux)
     for function in known:
         function.cache_clear()
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
@@ -44,39 +41,15 @@ def test_check_says_that_util_linux_is_missing(few_programs, tmp_path):
     status, out, err = povgen(["check"], tmp_path)
     assert status == 0, out + err
     (line,) = [line for line in out.splitlines() if "limits" in line]
-    assert (
-        "set by a shell, because setpriv and prlimit (util-linux) are missing" in line
-        and "if povgen is killed, POV-Ray runs on" in line
-    )
-    assert "memory" not in line  # the shell limits it
-
-
-def test_a_shell_that_cannot_limit_memory(few_programs, tmp_path):
-    """As on macOS."""
-    (few_programs / "sh").unlink()
-    (few_programs / "sh").write_text('#!/bin/sh\ncase "$2" in "ulimit -v"*) exit 1;; esac\nexec /bin/sh "$@"\n')
-    (few_programs / "sh").chmod(0o700)
-    assert "POV-Ray's memory is not limited" in povgen(["check"], tmp_path)[1]
+    assert "setpriv and prlimit (util-linux) are missing: memory" in line
+    assert "if povgen is killed, POV-Ray runs on" in line
 
 
 def test_a_setpriv_that_cannot_do_it(few_programs):
     for name in ("setpriv", "prlimit"):
         (few_programs / name).write_text("#!/bin/sh\nexit 1\n")
         (few_programs / name).chmod(0o700)
-    assert not povray.has_util_linux()
-
-
-def test_the_shells_limits(few_programs, tmp_path, monkeypatch):
-    monkeypatch.setattr(povray, "MAX_MEMORY", 512 << 20)
-    monkeypatch.setattr(povray, "MAX_FILE", 1 << 20)
-    with pytest.raises(PovrayError, match="line 2: out of memory: its limit is 512 MiB"):
-        run("#declare A = array[100000000]; #for (I, 0, 99999999) #declare A[I] = <I, I, I>; #end", tmp_path)
-    shutil.rmtree(tmp_path / "work")
-    with pytest.raises(PovrayError, match="for a file, 1 MiB, is exceeded"):
-        run('#fopen F "data.txt" write #while (1) #write(F, "0123456789") #end', tmp_path)
-    start, _ = povray._starter(0.2, 1, 1 << 30)
-    ended = subprocess.run([*start, "/bin/sh", "-c", "while :; do :; done"], timeout=100)
-    assert -ended.returncode in (signal.SIGKILL, signal.SIGXCPU)  # after 1 s of CPU time
+    assert not povray.util_linux()
 
 
 def test_the_sandbox_without_util_linux(few_programs, tmp_path):
