@@ -6,8 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from lines import save_lines
 
-from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, plain_ticks, save_lines
+from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, plain_ticks
 from povgen.optics.faces import GlassSheet
 from povgen.optics.ghosts import field
 from povgen.optics.prism import Prism

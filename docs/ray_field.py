@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from lines import save_lines
 from numpy.typing import NDArray
 
-from povgen.measure.plotting import GREY, IDEAL, PRISMS, Axes, drawn, save_lines
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, Axes, drawn
 from povgen.optics import equations
 from povgen.optics.rays import Traced
 from povgen.scene.scenes import Chess, Scene

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 import numpy as np
+from lines import save_lines
 
-from povgen.measure.plotting import GREY, Axes, drawn, plain_ticks, save_lines
+from povgen.measure.plotting import GREY, Axes, drawn, plain_ticks
 from povgen.optics.diffraction import best_pitch, blur
 from povgen.optics.polarisation import jones, transmission
 from povgen.optics.prism import Prism

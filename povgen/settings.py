@@ -178,7 +178,9 @@ def preset_of(quality: str) -> Preset:
     return QUALITIES[Sampling(quality=quality).quality]
 
 
-class _Shared(TypedDict, total=False):
+class SharedOptions(TypedDict, total=False):
+    """The options of all renderers."""
+
     quality: str
     size: str | Sequence[int]
     antialias: Antialias
@@ -192,16 +194,10 @@ class _Shared(TypedDict, total=False):
     eye_distance: float
 
 
-class Options(_Shared, total=False):
+class Options(SharedOptions, total=False):
     """The fields of `Rendering`, for type checkers: the options of `render` and of other functions."""
 
     renderer: Renderer
-
-
-class AutoOptions(_Shared, total=False):
-    """The options of `cheapest`."""
-
-    renderer: Renderer | Literal["auto"]
 
 
 class Rendering(Sampling):

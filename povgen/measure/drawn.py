@@ -3,12 +3,10 @@
 import json
 import os
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from queue import SimpleQueue
-from threading import Thread
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,44 +25,28 @@ if TYPE_CHECKING:  # needs moderngl
 Size = tuple[int, int]  # width and height, pixels
 T = TypeVar("T")
 FORKED = "this process was forked after its parent had drawn with OpenGL; allowed: the start method spawn or forkserver"
-Asked = SimpleQueue[tuple[Callable[["Drawer"], Any], Future[Any]]]
 
 
 @cache
-def _asked() -> tuple[Asked, int]:
-    """Start a thread that draws for all others, because an OpenGL context belongs to one thread.
-
-    Return its queue, and the process that it is in.
-    """
+def _thread() -> tuple[ThreadPoolExecutor, int]:
+    """Return the thread that draws for all others, and its process. An OpenGL context belongs to one thread."""
     gl_runner.device()  # raises InputError if something is missing
-    asked: Asked = SimpleQueue()
-    # Python does not wait for a daemon at its end, so Ctrl-C ends a long picture
-    Thread(target=_draw, args=(asked,), name="povgen-opengl", daemon=True).start()
-    return asked, os.getpid()
+    return ThreadPoolExecutor(1, "povgen-opengl"), os.getpid()
 
 
-def _draw(asked: Asked) -> None:
+@cache
+def _drawer() -> "Drawer":
     from povgen.rendering.gl import Drawer
 
-    drawer = None
-    while True:
-        work, result = asked.get()
-        try:
-            drawer = drawer or Drawer()
-            result.set_result(work(drawer))
-        except BaseException as error:
-            result.set_exception(error)
-        del work, result  # else the last picture would stay in memory
+    return Drawer()
 
 
 def _drawn(work: "Callable[[Drawer], T]") -> T:
     """Return what a function of the drawer returns. Raises InputError if this system or process cannot draw."""
-    asked, process = _asked()
+    thread, process = _thread()
     if process != os.getpid():  # a fork copies no thread: neither povgen's nor those of OpenGL
         raise InputError(FORKED)
-    result: Future[T] = Future()
-    asked.put((work, result))
-    return result.result()
+    return thread.submit(lambda: work(_drawer())).result()
 
 
 def points(scene: Scene, size: Size) -> NDArray[np.float32]:
@@ -89,7 +71,7 @@ class Drawn:
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError if this system cannot draw with OpenGL."""
-        _asked()
+        _thread()
         self.set(scene)
 
     def set(self, scene: Scene) -> None:

@@ -7,8 +7,6 @@ from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from povgen import remedies
 from povgen.errors import InputError
 from povgen.files import save
@@ -30,7 +28,7 @@ except ImportError:
 
 # for the modules that draw
 __all__ = [
-    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Figure", "drawn", "plain_ticks", "save_drawing", "save_lines",
+    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Figure", "drawn", "plain_ticks", "save_drawing",
     "save_table", "style", "withStroke",
 ]  # fmt: skip
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
@@ -82,18 +80,6 @@ def save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, .
     table = StringIO()
     csv.writer(table, lineterminator="\n").writerows([head, *rows])
     save(table.getvalue().encode(), path)
-
-
-def save_lines(path: Path, *panels: Axes) -> None:
-    """Write the points of all labelled lines to a .csv file: line, and the labels and values of both axes."""
-    rows = [
-        (line.get_label(), ax.get_xlabel(), f"{x:.6g}", ax.get_ylabel(), f"{y:.6g}")
-        for ax in panels
-        for line in ax.lines
-        if not str(line.get_label()).startswith("_")
-        for x, y in np.array(line.get_xydata())
-    ]
-    save_table(path, ("line", "quantity along x", "x", "quantity along y", "y"), rows)
 
 
 def save_drawing(figure: Figure, *paths: Path) -> None:

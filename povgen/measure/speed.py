@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
 from math import ceil
-from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from statistics import median
 
 import numpy as np
@@ -25,6 +24,7 @@ from povgen.rendering import parallel, povray
 from povgen.rendering.flip import CONVERGED, flip
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture
+from povgen.rendering.parallel import cpu_seconds
 from povgen.scene import camera
 from povgen.scene.scenes import Scene
 from povgen.scene.sdl import to_pov
@@ -156,8 +156,3 @@ def _live_points(scenes: Mapping[str, Scene], opened: ExitStack) -> Iterator[Poi
             repeats = ceil(500_000 / (size[0] * size[1] * rays))  # a small picture takes less than the clock's step
             make = partial(view.measured, size, rays, repeats=repeats)
             yield Point(f"live {method}", f"{rays} ray{'s' * (rays > 1)}", size, make)
-
-
-def cpu_seconds() -> float:
-    """Return the CPU seconds so far of this process and of its finished children."""
-    return sum(usage.ru_utime + usage.ru_stime for usage in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))

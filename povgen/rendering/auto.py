@@ -15,7 +15,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, radians, sqrt
-from typing import Any, Unpack, cast
+from typing import Any, Literal, Unpack, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from povgen.rendering.volumes import volumes
 from povgen.scene import camera
 from povgen.scene.scenes import Scene, checked_scene, pieces
 from povgen.scene.sdl import Mosaic, to_pov
-from povgen.settings import AutoOptions, Options, Rendering
+from povgen.settings import Options, Renderer, Rendering, SharedOptions
 
 FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
 # Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. The last sampling of the
@@ -103,7 +103,9 @@ class _MosaicRendering(Rendering):
     size: tuple[int, int]
 
 
-def cheapest(scene: Scene, tolerance: str, **options: Unpack[AutoOptions]) -> tuple[Scene, Options]:
+def cheapest(
+    scene: Scene, tolerance: str, *, renderer: Renderer | Literal["auto"] = "povray", **options: Unpack[SharedOptions]
+) -> tuple[Scene, Options]:
     """Return the scene with the cheapest sheets within a tolerance, and the options of `render` that belong to it.
 
     This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
@@ -113,8 +115,7 @@ def cheapest(scene: Scene, tolerance: str, **options: Unpack[AutoOptions]) -> tu
     renderer is chosen too. Raises InputError if an argument is not allowed, for several windows, if no choice meets
     the tolerance, and for a tolerance of FLIP if flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
     """
-    renderer: Any = options.get("renderer", "povray")
-    renderers = RENDERERS if renderer == "auto" else (renderer,)
+    renderers: Sequence[Any] = RENDERERS if renderer == "auto" else (renderer,)
     limit, rendering = Tolerance.parse(tolerance), Rendering(**{**options, "renderer": renderers[-1]})
     prisms = checked_scene(scene).replace(sheet="detailed")
     antialias = rendering.sampling if "antialias" in options else None

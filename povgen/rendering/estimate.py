@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from typing import NamedTuple
 
 from povgen.errors import PovrayError
 from povgen.files import temporary_folder
 from povgen.rendering.frames import named, renderer_of
-from povgen.rendering.parallel import Runner, cores, thread_pool
+from povgen.rendering.parallel import Runner, cores, cpu_seconds, thread_pool
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene
 from povgen.settings import Rendering
@@ -115,8 +114,7 @@ def _render(scene: Scene, text: str, runner: Runner, rendering: Rendering) -> No
 
 def _cpu(runner: Runner) -> float:
     """Return the CPU seconds of povgen and of the processes that have ended. Those of gl go on, and report theirs."""
-    own = sum(usage.ru_utime + usage.ru_stime for usage in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))
-    return own + sum(getattr(runner, "cpu_seconds", ()))
+    return cpu_seconds() + sum(getattr(runner, "cpu_seconds", ()))
 
 
 def describe(scenes: Sequence[Scene], rendering: Rendering, found: Estimate) -> str:

@@ -11,9 +11,9 @@ from PIL import Image
 from povgen import remedies
 from povgen.errors import InputError
 from povgen.scene import hdr
+from povgen.scene.hdr import Light
 
 Picture = NDArray[np.uint8]
-Light = NDArray[np.float32]
 
 
 def linear(picture: Picture) -> Light:

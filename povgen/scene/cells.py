@@ -140,20 +140,17 @@ def _cells_of_laws(scene: Scene) -> int:
     only if light passes at its middle and at all its corners. If there is no such cell, although light passes the
     windows somewhere, the result is MAX_CELLS. For several windows it is at least _SERIES_CELLS.
     """
-    if len(scene.ideal) > 1:
-        return max(_SERIES_CELLS, _cells_of_smooth_laws(scene))
-    return 1 if _is_exact(scene) else _cells_of_smooth_laws(scene)
-
-
-def _cells_of_smooth_laws(scene: Scene) -> int:
+    least = _SERIES_CELLS if len(scene.ideal) > 1 else 1
+    if least == 1 and _is_exact(scene):
+        return 1
     error = _law_error(scene, _CELLS)
     if np.isnan(error):
-        return 1 if is_dark(scene) else MAX_CELLS
+        return least if is_dark(scene) else MAX_CELLS
     cells = ceil(min(MAX_CELLS, max(1, _CELLS * sqrt(error / MAX_CAMERA_ERROR))))
     if any(sheet.law.uses_place for sheet in scene.ideal):
         while cells < MAX_CELLS and (error := _law_error(scene, cells)) > MAX_CAMERA_ERROR:
             cells = min(MAX_CELLS, max(cells + 1, ceil(cells * min(2, sqrt(error / MAX_CAMERA_ERROR)))))
-    return cells
+    return max(least, cells)
 
 
 def _is_exact(scene: Scene) -> bool:

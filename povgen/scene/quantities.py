@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from povgen.optics.rays import Convergence, Traced
+from povgen.optics.rays import Convergence
 from povgen.optics.shares import Shares, shares
 from povgen.scene import camera
 from povgen.scene.scenes import Scene
@@ -47,14 +47,6 @@ def _shares(scene: Scene) -> Shares:
     x, y = scene.aperture * (np.random.default_rng(1).uniform(size=(2, RAYS)) - 0.5)
     P = scene.E + (x + 1j * y - scene.E) / (1 - scene.depth / 2 / scene.z2)
     return shares(scene.trace(camera.through(scene, P)), "black" in _tops(scene))
-
-
-@lru_cache(1)
-def _light(scene: Scene) -> Traced:
-    """Return the light from the first object that takes the designed path through the windows."""
-    L, z1 = scene.objects[0]
-    light = scene.trace(scene.pencil((L.real, L.imag, scene.places[-1] + z1), RAYS))
-    return light[light.designed]
 
 
 class Seen(NamedTuple):
@@ -116,8 +108,12 @@ def _stray(scene: Scene) -> float:
     return _shares(scene).stray if len(_tops(scene)) < 2 else np.nan
 
 
+@lru_cache(1)
 def _convergence(scene: Scene) -> Convergence:
-    light = _light(scene)
+    """Return where the first object's light that takes the designed path through the windows is closest together."""
+    L, z1 = scene.objects[0]
+    light = scene.trace(scene.pencil((L.real, L.imag, scene.places[-1] + z1), RAYS))
+    light = light[light.designed]
     return light.convergence() if len(light.end) > 1 else Convergence(*[np.nan] * 4)
 
 

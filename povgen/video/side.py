@@ -61,11 +61,6 @@ class Shown(NamedTuple):
     image: Drawn  # z is NaN if light from the object never comes together, and infinite if it is parallel
     z1: float
 
-    def covers_its_image(self, from_above: bool, discs: bool) -> bool:
-        """Whether both are drawn at the same place."""
-        thing, image = ([each.z, *each.heights(from_above, discs)] for each in (self.thing, self.image))
-        return bool(np.allclose(thing, image, atol=1e-6))
-
 
 def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
     """Return the extent of a side view that shows the eyes, windows, objects and images of all these scenes.
@@ -167,7 +162,8 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
 
     for each in shown:
         if each.image in there:  # wider if the object covers it, so that both are seen
-            show(each.image, IMAGE, thick * (1 + each.covers_its_image(from_above, discs)))
+            place, other = ([part.z, *part.heights(from_above, discs)] for part in (each.thing, each.image))
+            show(each.image, IMAGE, thick * (1 + bool(np.allclose(place, other, atol=1e-6))))
         show(each.thing, OBJECT, thick)
     x, y = at(-scene.z2, scene.E)
     draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
