@@ -54,9 +54,7 @@ def named(scene: Scene, source: str) -> Iterator[None]:
     except PovrayError as error:
         given = scene.model_dump(exclude_unset=True).items()
         values = ", ".join(f"{key} = {shown(value)}" for key, value in given) or "the default values"
-        message, origin = povray.message_and_origin(error, source, pieces(scene).values())
-        origin = f"{origin}, in" if origin else "in"
-        raise type(error)(f"{message}\n  {origin} the frame with {values}") from None
+        raise povray.placed(error, source, pieces(scene).values(), f"the frame with {values}") from None
 
 
 def is_whole(frame: bytes, size: tuple[int, int], is_light: bool = False) -> bool:

@@ -391,13 +391,14 @@ def _ends(log: Path) -> tuple[str, str]:
         return first.decode(errors="replace"), file.read().decode(errors="replace")
 
 
-def message_and_origin(error: PovrayError, source: str, pieces: Iterable[str | PieceFile]) -> tuple[str, str]:
-    """Return an error's message and its origin.
+def placed(error: PovrayError, source: str, pieces: Iterable[str | PieceFile], what: str) -> PovrayError:
+    """Return an error that also says where the fault is, and in `what`.
 
-    `source` is the text that POV-Ray read, and `pieces` are the pieces in it. If the error is in a user's file, the
-    message names this file and its line, and the origin is empty. Otherwise the origin is such as 'from header.pov.j2'.
+    `source` is the text that POV-Ray read, and `pieces` are the pieces in it. If the fault is in a user's file, the
+    message names this file and its line, otherwise the template that the line is from.
     """
     name, line = origin_of(pieces, source, error.line) if error.line else ("", None)
+    message = str(error)
     if line is not None:
-        return str(error).replace(f"{SCENE}, line {error.line}", f"{name}, line {line}"), ""
-    return str(error), f"from {name}" if name else ""
+        message, name = message.replace(f"{SCENE}, line {error.line}", f"{name}, line {line}"), ""
+    return type(error)(f"{message}\n  {f'from {name}, in' if name else 'in'} {what}")

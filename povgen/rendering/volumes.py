@@ -122,9 +122,7 @@ def _measured(
         try:
             picture = runner.run(source, Rendering(size=(32, 32), antialias="off", timeout=timeout), folder)
         except PovrayError as error:
-            message, origin = povray.message_and_origin(error, source, [piece])
-            origin = f"{origin}, in" if origin else "in"
-            raise type(error)(f"{message}\n  {origin} the shape of the piece {str(piece)!r}") from None
+            raise povray.placed(error, source, [piece], f"the shape of the piece {str(piece)!r}") from None
         with picture.with_name(povray.DATA).open() as data:
             text = data.read(MAX_CROSSINGS)
     name = f"piece = {str(piece)!r}"

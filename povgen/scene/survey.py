@@ -59,11 +59,9 @@ MOST_KNOWN = 60_000  # as many as the longest movie needs if it is stereo
 
 def of_inputs(given: SurveyInputs) -> Survey:
     """Return the survey for these inputs. It is made only if it is not known."""
-    found = known.get(given)
-    if found is None:
-        found = _traced(given)
-        keep(given, found)
-    return found
+    if given not in known:
+        keep(given, _traced(given))
+    return known[given]
 
 
 def keep(given: SurveyInputs, found: Survey) -> None:
