@@ -120,10 +120,10 @@ def workers() -> Iterator[Row]:
     cores = parallel.cores()
     for count in WORKER_COUNTS:
         with temporary_folder() as folder, patch.dict(os.environ, POVGEN_CACHE=str(folder / "cache")):
-            before, start = speed.cpu_seconds(), time.monotonic()
+            before, start = parallel.cpu_seconds(), time.monotonic()
             movie("vary-alpha", folder / "movie.mp4", size=MAIN_SIZE, antialias="off", workers=count, progress=False)
             wall = time.monotonic() - start
-            yield count, wall, (speed.cpu_seconds() - before) / wall / cores, cores
+            yield count, wall, (parallel.cpu_seconds() - before) / wall / cores, cores
 
 
 def draw_prisms(rows: list[list[str]], folder: Path) -> None:

@@ -223,7 +223,7 @@ def _add_exhibits(output: Path, shown: dict[str, Exhibit]) -> None:
     for webp in (PROJECT / "docs").rglob("*.webp"):
         movie = (output / webp.relative_to(PROJECT)).with_suffix(".mp4")
         frames = (frame[..., :3] for frame in iio.imiter(webp, plugin="pillow"))  # without alpha
-        encode.encode(frames, movie, RATE, {})
+        encode.encode(frames, movie, RATE)
 
 
 def main(output: Path) -> None:

@@ -95,7 +95,7 @@ def _encode() -> str:
     import imageio_ffmpeg
 
     with temporary_folder() as folder:
-        encode.encode([np.zeros((48, 64, 3), np.uint8)] * 3, folder / "movie.mp4", 10, {})
+        encode.encode([np.zeros((48, 64, 3), np.uint8)] * 3, folder / "movie.mp4", 10)
     return f"ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}, {imageio_ffmpeg.get_ffmpeg_exe()}"
 
 

@@ -15,10 +15,10 @@ from povgen.progress import say, tell
 from povgen.record import Record, check_unasked
 from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
+from povgen.rendering.frames import drawn_by
 from povgen.scene.scenes import SCENES, Scene, recorded
 from povgen.settings import Rendering
 from povgen.version import __version__
-from povgen.video.still import drawn_by
 
 Values = dict[str, Any]  # what a user gave, by the parameters' names: texts, several texts, and Booleans of switches
 F = TypeVar("F", bound=Callable[..., Any])
@@ -84,7 +84,7 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
     if "quality" in values or values.get("sheet") == "auto":
         del options["antialias"]
     if not quiet and values.get("renderer", record.rendering.renderer) == record.rendering.renderer:
-        here = __version__, drawn_by(record.rendering)
+        here = __version__, drawn_by(record.rendering.renderer)
         if here != (record.povgen, record.renderer):
             made = f"made by povgen {record.povgen} and {record.renderer}, here are {' and '.join(here)}"
             say(f"povgen: warning: {source}: {made}: pixels can differ")

@@ -48,7 +48,8 @@ def frame_path(source: str, rendering: Rendering) -> Path:
     """
     size, suffix = "{}x{}".format(*rendering.size), ".light" if rendering.is_light else ".png"
     if rendering.renderer == "gl":
-        return path_for("\0".join(["gl", *gl_runner.drawn_by(), rendering.sampling, size, source]), suffix)
+        drawn = gl_runner.device(), gl_runner.CODE.read_text("utf-8")  # they decide what a picture looks like
+        return path_for("\0".join(["gl", *drawn, rendering.sampling, size, source]), suffix)
     command = [*povray.command("povray", rendering), *povray.library_files()]
     return path_for("\0".join([povray.version(), *command, size, settings.FILTER, source]), suffix)
 

@@ -20,6 +20,7 @@ from povgen import remedies
 from povgen.errors import InputError, PovrayError, TransientError
 from povgen.files import temporary_folder
 from povgen.rendering import gl_runner, povray
+from povgen.rendering.frames import drawn_by
 from povgen.scene import pictures
 from povgen.settings import Rendering
 from povgen.version import __version__
@@ -128,8 +129,8 @@ def versions(renderer: str | None) -> str:
     What renders is POV-Ray's version for povray, the drawing device for gl, and left out for None. Raises PovrayError
     or InputError if this machine lacks the renderer.
     """
-    drawn_by = {"povray": lambda: f"POV-Ray {povray.version()}, ", "gl": lambda: f"{gl_runner.device()}, "}
-    return f"povgen {__version__}, {drawn_by[renderer]() if renderer else ''}Dask {distributed.__version__}"
+    drawn = f"{drawn_by(renderer)}, " if renderer else ""
+    return f"povgen {__version__}, {drawn}Dask {distributed.__version__}"
 
 
 def check(wanted: str, renderer: str | None) -> None:

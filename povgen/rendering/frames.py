@@ -152,6 +152,14 @@ def renderer_of(
     return to_text, runner, workers
 
 
+def drawn_by(renderer: str) -> str:
+    """Return the version of POV-Ray, or the device with which the renderer gl draws.
+
+    Raises PovrayError if POV-Ray is missing or too old, and InputError if the renderer gl cannot be used.
+    """
+    return gl_runner.device() if renderer == "gl" else f"POV-Ray {povray.version()}"
+
+
 def _to_pov(scene: Scene) -> str:
     return to_pov(scene, found=surveys.found(scene, store=True))
 

@@ -29,6 +29,7 @@ ON_GPU = 4
 WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader|basic render|gdi generic", re.IGNORECASE)
 # signals that a fault of the process itself causes; others come from outside
 CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGILL, signal.SIGFPE}
+CODE = Path(__file__).with_name("gl.py")  # that draws
 POVRAY = "allowed: renderer = 'povray'"
 Answer = tuple[subprocess.Popen[bytes], dict[str, Any]]  # a process, and the line with which it answers
 
@@ -46,11 +47,6 @@ def device() -> str:
 def at_once() -> int:
     """Return how many pictures are drawn at once if --workers does not say. Raises what `device` raises."""
     return cores() if WITHOUT_GPU.search(device()) else min(ON_GPU, cores())
-
-
-def drawn_by() -> tuple[str, str]:
-    """Return the device and the text of the code that draws: both decide what a picture looks like."""
-    return device(), Path(__file__).with_name("gl.py").read_text("utf-8")
 
 
 @cache

@@ -16,14 +16,13 @@ from pydantic import Field
 from povgen.errors import InputError, one_line, shown
 from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, temporary_folder
 from povgen.progress import bar
-from povgen.record import MAX_FRAMES, Record, check_unasked, in_png
+from povgen.record import MAX_FRAMES, check_unasked, in_png
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene, checked_scenes, input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Options, Rendering
 from povgen.validation import Model, as_flag, is_several
-from povgen.version import __version__
 from povgen.video import encode
 from povgen.video.side import HEIGHT
 from povgen.video.still import pictures, record_of
@@ -159,7 +158,7 @@ class Plan:
                 _save_sequence(pngs, folder, [target.with_name(file.name) for file in files])
             else:
                 part = folder / f"movie{output.suffix.lower()}"
-                encode.encode(made, part, film.rate, _tags(record), record)
+                encode.encode(made, part, film.rate, record)
                 save(part, target)
         if files and (further := target.with_name(output.name % (len(files) + 1))).exists():
             text = f"povgen: warning: {further.name} was there before: it is not a frame of this movie"
@@ -175,12 +174,6 @@ def planned(film: Film, output: str | Path, rendering: Rendering, inputs: Iterab
     check_views(film.scenes, rendering)
     inputs = [*inputs, *film.files, *input_files(film.scenes)]
     return Plan(film, rendering, checked_movie(output, len(film.scenes), film.rate, rendering, inputs))
-
-
-def _tags(record: Record) -> dict[str, str]:
-    """Return the tags of a movie's file."""
-    about = f"povgen {__version__}, {record.renderer}. 'povgen info FILE' prints how it was made."
-    return {"title": str(record.title), "description": about}
 
 
 def _save_sequence(pngs: Iterable[bytes], folder: Path, files: Sequence[Path]) -> None:

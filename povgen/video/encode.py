@@ -54,14 +54,13 @@ def encode(
     pictures: Iterable[NDArray[np.uint8]],
     output: Path,
     rate: float,
-    tags: dict[str, str],
     record: Record | None = None,
 ) -> None:
     """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm), animated WebP or GIF.
 
-    `rate` is in frames a second. A GIF and a WebP file have the record alone, other files also have the tags.
-    An MP4 file has its middle picture as its cover. Raises InputError if the pictures are too large for the encoder,
-    and OSError if the file is incomplete.
+    `rate` is in frames a second. A GIF and a WebP file have the record alone, other files also have tags, such as
+    the title. An MP4 file has its middle picture as its cover. Raises InputError if the pictures are too large for the
+    encoder, and OSError if the file is incomplete.
     """
     if output.suffix == ".gif":
         return _save_gif(iter(pictures), output, rate, bytes(record) if record else b"")
@@ -71,7 +70,10 @@ def encode(
     height, width, _ = first.shape
     check_size(output.suffix, width, height)  # with the strips of text
     given = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate!r} -i -"
-    metadata = [word for key, value in tags.items() for word in ("-metadata", f"{key}={value}")]
+    metadata = []
+    if record:
+        about = f"povgen {__version__}, {record.renderer}. 'povgen info FILE' prints how it was made."
+        metadata = ["-metadata", f"title={record.title}", "-metadata", f"description={about}"]
     options = [*f"-an -c:v {codec} -pix_fmt {pixels} {settings}".split(), *metadata]
     # -xerror: older releases of ffmpeg end with status 0 when the disk becomes full
     command = [ffmpeg, *"-y -loglevel quiet -xerror".split(), *given.split(), *options, str(output)]
@@ -202,7 +204,7 @@ def _can_write(ending: str, ffmpeg: str) -> bool:
     """Whether this ffmpeg, which is imageio's, writes movies with this ending: it is tried."""
     with temporary_folder() as folder:
         try:
-            encode([np.zeros((32, 32, 3), np.uint8)], folder / f"trial{ending}", 10, {})
+            encode([np.zeros((32, 32, 3), np.uint8)], folder / f"trial{ending}", 10)
         except OSError as error:
             if error.errno:  # of the disk
                 raise

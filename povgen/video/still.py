@@ -17,8 +17,8 @@ from povgen import files
 from povgen.errors import InputError, TransientError, shown
 from povgen.progress import bar, parts
 from povgen.record import MAX_FRAMES, MAX_PICTURES, Record, differing, in_png, shell_command
-from povgen.rendering import gl_runner, light, povray
-from povgen.rendering.frames import read_png, render_all
+from povgen.rendering import light
+from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
 from povgen.scene.pieces import PieceFile
@@ -240,7 +240,7 @@ def record_of(
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     made = Record(
         povgen=__version__,
-        renderer=drawn_by(rendering),
+        renderer=drawn_by(rendering.renderer),
         command=shell_command(),
         rendering=rendering.model_dump(),
         title=title,
@@ -258,16 +258,6 @@ def _small_pictures(scenes: Sequence[Scene]) -> dict[str, str]:
     files = {str(picture): picture.file.content for scene in scenes for picture in surroundings(scene).values()}
     small = len(files) <= MAX_PICTURES and sum(map(len, files.values())) <= MAX_LARGE
     return {name: base64.b64encode(png).decode() for name, png in files.items()} if small else {}
-
-
-def drawn_by(rendering: Rendering) -> str:
-    """Return the version of POV-Ray, or the device with which the renderer gl draws.
-
-    Raises PovrayError if POV-Ray is missing or too old, and InputError if the renderer gl cannot be used.
-    """
-    if rendering.renderer == "gl":
-        return gl_runner.device()
-    return f"POV-Ray {povray.version()}"
 
 
 def picture(

@@ -52,7 +52,7 @@ def test_colours_come_back(suffix, plugin, tmp_path):
     """A movie is made with the colour matrix of its tags. Another matrix would change pure green by 30 of 255."""
     colours = np.array([(230, 20, 20), (20, 230, 20), (20, 20, 230), (128, 128, 128)], np.uint8)
     picture = np.repeat(np.repeat(colours[np.newaxis], 32, axis=1), 64, axis=0)
-    encode.encode([picture, picture[:, ::-1], picture], tmp_path / f"movie{suffix}", 10, {})
+    encode.encode([picture, picture[:, ::-1], picture], tmp_path / f"movie{suffix}", 10)
     decoded = iio.imread(tmp_path / f"movie{suffix}", plugin=plugin, index=2)
     for n, colour in enumerate(colours):
         assert abs(decoded[32, 32 * n + 16].astype(int) - colour).max() < 8
@@ -123,7 +123,7 @@ def test_a_webp_keeps_its_times_and_its_record(count, alike, rate, tmp_path):
     """Equal successive pictures are written once. If all are equal, the file is one picture."""
     shades = [np.full((32, 48, 3), 20 * (n // alike) % 250, np.uint8) for n in range(count)]
     record = Record(povgen="1", renderer="b" * (600 + count), rendering={}, frames=[{}])
-    encode.encode(shades, tmp_path / "a.webp", rate, {}, record)
+    encode.encode(shades, tmp_path / "a.webp", rate, record)
     assert info(tmp_path / "a.webp") == record
     with Image.open(tmp_path / "a.webp") as webp:
         assert webp.n_frames == -(-count // alike)
@@ -166,7 +166,7 @@ def test_a_gif_file_keeps_its_times(tmp_path, count, alike, rate):
     """Equal successive pictures are written once, and last as long as all of them."""
     shades = [np.full((4, 6, 3), 20 * (n // alike) % 250, np.uint8) for n in range(count)]
     encode.check_gif(count, rate)
-    encode.encode(shades, tmp_path / "a.gif", rate, {})
+    encode.encode(shades, tmp_path / "a.gif", rate)
     with Image.open(tmp_path / "a.gif") as gif:
         durations = []
         for n in range(gif.n_frames):
@@ -191,7 +191,7 @@ def test_a_gif_is_written_a_few_pictures_at_a_time(size, few, tmp_path, monkeypa
         picture[number : number + 2, 3:5] = 30 * number
     monkeypatch.setattr(encode, "GIF_BYTES", few * pictures[0].nbytes)
     record = Record(povgen="1", renderer="b" * 600, rendering={}, frames=[{}])
-    encode.encode(iter(pictures), tmp_path / "a.gif", 7, {}, record)
+    encode.encode(iter(pictures), tmp_path / "a.gif", 7, record)
     shown = [iio.imread(tmp_path / "a.gif", index=n, plugin="pillow")[..., :3] for n in range(len(pictures))]
     assert np.array_equal(shown, pictures)
     with Image.open(tmp_path / "a.gif") as gif:

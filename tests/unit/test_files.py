@@ -70,6 +70,6 @@ def test_an_encoder_that_fails(full, monkeypatch, tmp_path):
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(failing))
     monkeypatch.setattr(encode, "is_full", lambda folder: full)
     with pytest.raises(OSError) as raised:
-        encode.encode(PICTURES, tmp_path / "a.mp4", 10, {})
+        encode.encode(PICTURES, tmp_path / "a.mp4", 10)
     failed = f"the encoder {failing} failed, with status 3"
     assert message_of(raised.value) == (f"{tmp_path}/a.mp4: No space left on device" if full else failed)
