@@ -82,6 +82,7 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
         assert position_error(scene, sheet) <= tolerance
 
 
+@pytest.mark.release
 @pytest.mark.parametrize(
     ("scene", "tolerance"),
     [

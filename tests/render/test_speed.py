@@ -75,6 +75,7 @@ def test_prisms_by_hand_are_povgens():
         assert speed.picture_error(theirs, ours, Chess())[0] < 0.02, name
 
 
+@pytest.mark.release
 def test_the_charts_of_the_page_are_drawn_from_their_tables(tmp_path):
     for file in TABLES.glob("*.csv"):
         shutil.copy(file, tmp_path)

@@ -219,6 +219,7 @@ def test_sensitivities_where_the_scene_allows_only_smaller_errors():
         tolerance.sensitivities(Chess(prisms=20, z1=1.0818))
 
 
+@pytest.mark.release
 def test_random_builds_agree_with_the_sensitivities(found):
     spread = tolerance.Spread(deviation={"far_tilt_x": 0.02}, builds=60)
     change = tolerance.builds(FINE, tolerance.drawn(FINE, spread))

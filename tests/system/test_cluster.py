@@ -125,6 +125,7 @@ def shared(tmp_path_factory):
         yield machines
 
 
+@pytest.mark.release
 @pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGSTOP, marks=pytest.mark.release)])
 def test_a_worker_lost_in_mid_movie(number, tmp_path):
     """Only its frames are rendered again. The frames are the same as frames from this machine."""

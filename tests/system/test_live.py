@@ -54,6 +54,7 @@ def test_the_view_draws_the_same_as_opengl(browser, scene):
     assert len(figures) == 3 and all(figure.holds for figure in figures), figures
 
 
+@pytest.mark.release
 def test_the_view_shows_pictures_as_opengl(browser, tmp_path):
     path = picture(tmp_path)
     scene = Chess(sheet="ideal", sky=path, floor=path, view=6)

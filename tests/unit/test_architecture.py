@@ -144,3 +144,8 @@ def test_the_ray_trace_and_the_mesh_share_no_code():
     }
     mesh = (PACKAGE.parent / "templates" / "sheets.pov.j2").read_text()
     assert not set(re.findall(r"prism\.\w+", mesh))
+
+
+def test_a_scene_knows_nothing_of_files():
+    for name in ("scenes", "model", "checks", "predictions"):
+        assert not imports(MODULES[f"scene.{name}"]) & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}
