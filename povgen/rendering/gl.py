@@ -35,6 +35,7 @@ PROGRAMS = 30  # at most so many compiled programs are kept: each law of a user'
 SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
 VERTICES = """#version 330
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""
+SPARE = 1 << 28  # bytes, of which a driver needs a part when it starts
 
 
 class Drawer:
@@ -271,6 +272,14 @@ def write_light(file: Path, bands: Iterator[NDArray[np.float32]]) -> None:
         frame.write(packed.flush())
 
 
+def _is_memory_short() -> bool:
+    """Return whether this process cannot have a little more memory. Drivers then give other reasons for a fault."""
+    try:
+        return not bytearray(SPARE)
+    except MemoryError:
+        return True
+
+
 def main() -> None:
     """Draw what the lines of the standard input ask for, until it ends."""
     answers = stopping.answers()
@@ -281,7 +290,7 @@ def main() -> None:
     try:
         drawer = Drawer()
     except Exception as error:  # moderngl raises a plain Exception
-        return say(error=str(error))
+        return say(error=str(error), no_memory=_is_memory_short())
     say(device=drawer.device, version=drawer.version)
     spent = 0.0
     for line in sys.stdin:

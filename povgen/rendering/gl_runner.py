@@ -156,6 +156,8 @@ class Runner:
         answer = self._answer(process, START)
         if "error" in answer:
             self._end(process)
+            if answer["no_memory"]:
+                raise InputError(f"renderer = 'gl': too little memory to start it; {POVRAY}")
             raise InputError(
                 f"renderer = 'gl': no OpenGL by EGL: {one_line(answer['error'])}; {remedies.system('gl')}; {POVRAY}"
             )

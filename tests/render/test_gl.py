@@ -347,6 +347,21 @@ def test_a_process_that_ends_twice(number, words, runner, monkeypatch):
 
 
 @pytest.mark.release
+def test_too_little_memory_is_no_missing_library(runner, tmp_path, monkeypatch):
+    (tmp_path / "sitecustomize.py").write_text(
+        "import moderngl, resource\n"
+        "def create(**_):\n"
+        "    pages = int(open('/proc/self/statm').read().split()[0])\n"
+        "    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + 2**26,) * 2)\n"
+        "    raise Exception('eglInitialize failed')\n"
+        "moderngl.create_context = create\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    with pytest.raises(InputError, match="^renderer = 'gl': too little memory to start it; allowed: renderer = 'pov"):
+        runner.device()
+
+
+@pytest.mark.release
 def test_what_a_driver_writes_is_no_answer(text, tmp_path, monkeypatch):
     """And a relative PYTHONPATH is that of povgen's own working directory."""
     (tmp_path / "own").mkdir()
