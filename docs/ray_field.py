@@ -81,7 +81,7 @@ def wave_front(radii: Floats, turns: Floats, start: float) -> Floats:
     dw = -Re(conj(s) dr).
     """
 
-    def inverse(w: Floats) -> Any:  # noqa: ANN401  (an array, or a number)
+    def inverse(w: Floats) -> Any:
         return 1 / equations.depth(Z1, w, radians(ALPHA))
 
     along = walked(start, radii, lambda w, r: -r * inverse(w).real)
@@ -176,7 +176,7 @@ def draw_curl(ax: Axes) -> None:
             light = light_of(Chess(sheet=sheet, alpha=alpha, prisms=1000), 0.3, count)
             for z2 in distances:
                 look = {"markersize": 9, "markeredgewidth": 1.8, "fillstyle": "none"}
-                ax.plot(alpha, traced_curl(light, z2), mark, color=colour, **look)  # type: ignore[arg-type]
+                ax.plot(alpha, traced_curl(light, z2), mark, color=colour, **look)
     ax.text(4, 1.66, "circles: ray trace, ideal sheet", color=IDEAL)
     ax.text(4, 1.58, "crosses: 2 × 1000 prisms, their mean", color=PRISMS)
     ax.text(4, 1.50, "lines: the formula", color=GREY)

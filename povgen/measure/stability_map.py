@@ -84,14 +84,7 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     if "y" in measured.log_axes:
         ax.set_yscale("log")
         plain_ticks(ax.yaxis, (1,))
-    traced = [name for name in dict.fromkeys(name for name, *_ in measured.rows) if not name.endswith(RENDERED)]
-    for n, name in enumerate(traced):
-        for series, look in ((name, "o" if measured.is_bound else "o-"), (name + RENDERED, "x")):
-            x, y = np.array([row[1:] for row in measured.rows if row[0] == series]).reshape(-1, 2).T
-            label = name if series == name else None
-            ax.plot(x, y, look, color=COLOURS[n % len(COLOURS)], markersize=5, label=label)
-    if not measured.log_axes.endswith("y"):
-        ax.set_ylim(top=min(ax.get_ylim()[1], 8 * measured.tolerance))
+    traced = _draw_series(ax, measured)
     ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
     if measured.is_bound:
         ends = np.array(ax.get_xlim())
@@ -108,3 +101,19 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     if len(bounds) > 1:
         ax.plot([], [], "--", color=GREY, linewidth=0.8, label="povgen's limits")
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1))
+
+
+def _draw_series(ax: Axes, measured: StabilityMap) -> list[str]:
+    """Draw each series, and choose the range of y. Return the names of the series that have a place in the legend."""
+    traced = [name for name in dict.fromkeys(name for name, *_ in measured.rows) if not name.endswith(RENDERED)]
+    for n, name in enumerate(traced):
+        line = ("o-", "s--")[n // len(COLOURS)]  # when the colours begin again
+        for series, look in ((name, "o" if measured.is_bound else line), (name + RENDERED, "x")):
+            x, y = np.array([row[1:] for row in measured.rows if row[0] == series]).reshape(-1, 2).T
+            label = name if series == name else None
+            ax.plot(x, y, look, color=COLOURS[n % len(COLOURS)], markersize=5, label=label)
+    if not measured.log_axes.endswith("y"):
+        ax.set_ylim(top=min(ax.get_ylim()[1], 8 * measured.tolerance))
+        if min(y for *_, y in measured.rows) >= 0 > ax.get_ylim()[0]:
+            ax.set_ylim(bottom=0)
+    return traced

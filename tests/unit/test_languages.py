@@ -92,11 +92,35 @@ def test_a_thing_has_every_form_that_a_sentence_uses(language):
                 assert form in things["mountains"], (key, form)
 
 
+def test_every_sentence_is_used():
+    text = "\n".join(SCRIPTS.values())
+    made = {"kinds", "things", "questions", "failures"}  # their keys are names of other parts
+    for key in ENGLISH:
+        section, _, name = key.partition(".")
+        if section not in made and name:
+            parts = re.split(r"[._]", name)
+            assert key in text or re.search(rf"{section}\.[\w.]*\$", text) or re.search(rf"\b{parts[-1]}\b", text), key
+
+
 def test_no_sentence_is_in_the_template():
     template = re.sub(r"\{[{%#].*?[}%#]\}|<style.*?</style>|<!--.*?-->", "", SCRIPTS["index.html.j2"], flags=re.S)
     for text in re.findall(r">([^<>]*)<", template):
         assert not re.search(r"[A-Za-z]{3}", text), text
     assert not re.search(r'\s(aria-label|title|alt|placeholder)="[^"{]*[a-z]', template)
+
+
+def test_no_sentence_is_in_the_scripts():
+    """A sentence has two words beside each other, in quotes, that are not names of classes or of selectors."""
+    found = []
+    for name, text in SCRIPTS.items():
+        if not name.endswith(".js"):
+            continue
+        text = re.sub(r"//[^\n]*|/\*.*?\*/|^import [^\n]*", "", text, flags=re.M | re.S)
+        for literal in re.findall(r'"((?:[^"\\\n]|\\.)*)"|`((?:[^`\\]|\\.)*)`', text):
+            words = re.sub(r"\$\{[^}]*\}", " ", "".join(literal))
+            if re.search(r"[A-Z][a-z]+ [a-z]|\b(the|of|is|are|at|and|in|for|by|with|from) ", words):
+                found.append((name, words))
+    assert not found
 
 
 def test_the_labels_that_the_docs_name_are_those_of_the_page():
