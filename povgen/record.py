@@ -166,7 +166,8 @@ def _is_own(path: Path) -> bool:
 def _found(path: Path) -> tuple[int, int, str] | None:
     """Return a record's format, its checksum and the text that begins with its JSON; None for a file without one.
 
-    The record is found by its first line, wherever it is in the file. Raises OSError if the file cannot be read.
+    The record is found by its first line, wherever it is in the file. Raises OSError if the file cannot be
+    read, and ValueError for what is no regular file.
     """
     if not stat.S_ISREG(os.stat(path).st_mode):  # to open a FIFO would wait
         raise ValueError("no regular file")

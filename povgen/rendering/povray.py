@@ -83,9 +83,9 @@ def library() -> Path:
 
 
 def library_files() -> list[str]:
-    """Return the name, size and time of each file in `library`: a picture depends on them."""
-    found = sorted((path, path.stat()) for path in library().glob("*") if path.is_file())
-    return [f"{path.name} {status.st_size} {status.st_mtime_ns}" for path, status in found]
+    """Return the path, size and time of each file in `library` and its folders: a picture depends on them."""
+    found = sorted((path, path.stat()) for path in library().rglob("*") if path.is_file())
+    return [f"{path} {status.st_size} {status.st_mtime_ns}" for path, status in found]
 
 
 def command(binary: str, rendering: Rendering, threads: int = 1) -> list[str]:

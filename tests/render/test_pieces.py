@@ -193,13 +193,13 @@ def test_files_that_a_piece_names(text, file, tmp_path):
 def test_a_piece_can_name_pictures_in_the_users_folder(tmp_path, monkeypatch):
     """A picture that has changed is not taken from the cache."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "da ta"))
-    (tmp_path / "da ta" / "povgen").mkdir(parents=True)
-    text = 'sphere { 0.5*y, 0.5 pigment { image_map { png "own.png" } } finish { ambient 1 diffuse 0 } }'
+    (tmp_path / "da ta" / "povgen" / "in").mkdir(parents=True)
+    text = 'sphere { 0.5*y, 0.5 pigment { image_map { png "in/own.png" } } finish { ambient 1 diffuse 0 } }'
     (tmp_path / "own.inc").write_text(f"#declare Piece = {text}")
     scene = Chess(sheet="none", piece=tmp_path / "own.inc", z1=1)
     for channel in (0, 2):
         colour = np.uint8([255 * (channel == each) for each in range(3)])
-        Image.fromarray(np.full((4, 4, 3), colour)).save(tmp_path / "da ta" / "povgen" / "own.png")
+        Image.fromarray(np.full((4, 4, 3), colour)).save(tmp_path / "da ta" / "povgen" / "in" / "own.png")
         picture = np.asarray(render(scene, **SMALL), int)
         assert (picture[:, :, channel] > picture.sum(2) - picture[:, :, channel] + 150).sum() > 20
 
