@@ -2,7 +2,6 @@
 
 import re
 from functools import lru_cache
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -41,7 +40,9 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
     """
     height, up = _checked(kind, options)
 
-    vertices, triangles, (count, moved, is_open), left_out = _read(data, kind)
+    said, content = readers.run("mesh_reader", "mesh", data, kind)
+    at = 24 * said["points"]  # bytes of the vertices
+    vertices, triangles = np.frombuffer(content[:at]).reshape(-1, 3), np.frombuffer(content[at:], int).reshape(-1, 3)
     x, y, z = vertices.T
     points = np.column_stack((x, y, -z) if up == "y" else (x, z, y))  # POV-Ray is left-handed: z points away
     low, high = points.min(axis=0), points.max(axis=0)
@@ -63,11 +64,11 @@ def text_and_note(data: bytes, kind: str, options: str, radius: float) -> tuple[
         scale = height / tall
     points *= scale
     note = [] if height is not None else [f"scaled to a height of {tall * scale:.3g} tiles (another: height=)"]
-    if len(triangles) < count and moved * scale > 1e-5:
-        note.append(f"{len(triangles)} of {count:.0f} triangles, no point moved by more than {moved * scale:.2g} tiles")
-    if left_out:
-        note.append(left_out)
-    if is_open:
+    if len(triangles) < said["count"] and (moved := said["moved"] * scale) > 1e-5:
+        note.append(f"{len(triangles)} of {said['count']} triangles, no point moved by more than {moved:.2g} tiles")
+    if said["left_out"]:
+        note.append(said["left_out"])
+    if said["is_open"]:
         note.append(
             "its surface is not closed: parts may be missing in outlines, with the renderer gl, and on the page"
         )
@@ -93,17 +94,6 @@ def _checked(kind: str, text: str) -> tuple[float | None, str]:
             f"should have a height from {LEAST_HEIGHT:g} to {TALLEST:g} tiles, not height={options['height']}"
         )
     return height, up
-
-
-def _read(data: bytes, kind: str) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], str]:
-    """Return the three arrays of `mesh_reader`, and what it left out of the mesh."""
-    done = readers.run("mesh_reader", kind, "mesh", data)
-    said = done.stderr.decode(errors="replace").rpartition("\n")[2]
-    if done.returncode:
-        raise ValueError(said if done.returncode == 1 and said else "should be a mesh that needs less time and memory")
-    output = BytesIO(done.stdout[done.stdout.find(b"\x93NUMPY") :])  # Python's own start can print something first
-    vertices, triangles, numbers = (np.load(output, allow_pickle=False) for _ in range(3))
-    return vertices, triangles, numbers, said
 
 
 def is_own(text: str) -> bool:

@@ -1,11 +1,6 @@
-"""Reads a mesh in a process of its own, whose memory and time are limited: `python -m povgen.scene.mesh_reader KIND`.
+"""Reads a mesh, in a process of its own (`readers`): `python -m povgen.scene.mesh_reader KIND`.
 
-KIND is stl, obj, ply or glb. The file's bytes come by standard input. Standard output gets three arrays in numpy's
-format. The first has the vertices, (n, 3). The second has the triangles, (m, 3): indices of vertices, from 0. The third
-has three numbers: the number of triangles in the file, the greatest distance by which simplification moves a vertex,
-and 1 if the surface is not closed (otherwise 0). Lengths are in the file's unit. The exit status is 0 for success, and
-1 for a fault. The last line on standard error describes the fault; after success, it says what was left out of the
-mesh, or is empty.
+KIND is stl, obj, ply or glb. The answer is what `read` returns.
 
 The formats: the OBJ specification of Wavefront (Advanced Visualizer, appendix B1), the PLY format of Greg Turk, STL,
 and glTF 2.0 of the Khronos Group (ISO/IEC 12113). What changes the shape is applied, or refused by its name.
@@ -18,7 +13,6 @@ import struct
 import sys
 from array import array
 from collections.abc import Iterator
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -52,60 +46,49 @@ GLB_REFUSED = [
 GLB_ALLOWED = re.compile(r"KHR_mesh_quantization|[A-Z]+_(materials|texture|lights)_\w+|KHR_xmp(_json_ld)?")
 
 
-def main() -> int:
-    """Read, simplify and write a mesh. Return the exit status."""
-    readers.limit(MAX_MEMORY, MAX_TIME)
+def main() -> None:
+    """Read, simplify and write a mesh."""
 
-    try:
-        *arrays, left_out = read(sys.stdin.buffer.read(), sys.argv[1])
-    except ValueError as fault:
-        sys.stderr.write(str(fault))
-        return 1
-    output = BytesIO()  # numpy cannot always write to a pipe
-    for numbers in arrays:
-        np.save(output, numbers, allow_pickle=False)
-    sys.stdout.buffer.write(output.getvalue())
-    sys.stderr.write(left_out)
-    return 0
+    def answer(data: bytes) -> tuple[dict[str, Any], bytes]:
+        vertices, triangles, said = read(data, sys.argv[1])
+        return {"points": len(vertices), **said}, vertices.tobytes() + triangles.tobytes()
+
+    readers.serve(answer, MAX_MEMORY, MAX_TIME)
 
 
-def read(data: bytes, kind: str) -> tuple[Any, Any, Any, str]:
-    """Return the three arrays, and what was left out. Raises ValueError with a description of the fault."""
-    try:
-        return _mesh(data, kind)
-    except MemoryError:
-        raise ValueError("should be a mesh that needs less memory") from None
-    except Exception as error:  # for a malformed file
-        fault = str(error)
-        raise ValueError(fault if fault.startswith("should be ") else f"should be a whole {kind} file") from None
+def read(data: bytes, kind: str) -> tuple[Any, Any, dict[str, Any]]:
+    """Return the vertices (n, 3), the triangles (m, 3), which are indices of vertices, and what to say of the mesh.
 
-
-def _mesh(data: bytes, kind: str) -> tuple[Any, Any, Any, str]:
-    """Do what `read` does, but raise any error for a malformed file."""
-    # the vertices, the corners of all faces as indices of vertices, and the number of corners of each face
-    vertices, corners, sizes, left_out = {"obj": _obj, "stl": _stl, "ply": _ply, "glb": _glb}[kind](data)
-    if len(corners) and not (0 <= corners.min() and corners.max() < len(vertices)):
-        raise ValueError("should be a mesh whose vertices exist")
-    triangles = _triangles(vertices, corners, sizes)
-    if not len(triangles):
-        raise ValueError("should be a mesh with triangles")
-    used, triangles = np.unique(triangles, return_inverse=True)
-    vertices, triangles = vertices[used], triangles.reshape(-1, 3)
-    count, longest = len(triangles), float(np.ptp(vertices, axis=0).max())
-    if not np.isfinite(vertices).all():
-        raise ValueError("should be a mesh whose numbers are finite")
-    if not 1e-9 < longest < 1e9:
-        raise ValueError("should be a mesh whose longest side is from 1e-9 to 1e9")
-    kept, left, moved = _clustered(vertices, triangles, longest / FINEST)
-    edges = np.sort(left[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    is_open = bool(len(left)) and (np.unique(edges, axis=0, return_counts=True)[1] == 1).any()
-    size = longest / 1024
-    while len(left) > MAX_TRIANGLES:
-        kept, left, moved = _clustered(vertices, triangles, size)
-        size *= 1.25
-    if not len(left):
-        raise ValueError("should be a mesh with triangles that have an area")
-    return kept, left, np.array([count, moved, is_open]), FLAT if (sizes < 3).any() else left_out
+    That is: `count`, the number of triangles in the file; `moved`, the greatest distance by which simplification moves
+    a vertex; `is_open`, if the surface is not closed; `left_out`, what was left out of the mesh. Lengths are in the
+    file's unit. Raises ValueError with a description of the fault.
+    """
+    with readers.faults(f"{kind} file"):
+        # the vertices, the corners of all faces as indices of vertices, and the number of corners of each face
+        vertices, corners, sizes, left_out = {"obj": _obj, "stl": _stl, "ply": _ply, "glb": _glb}[kind](data)
+        if len(corners) and not (0 <= corners.min() and corners.max() < len(vertices)):
+            raise ValueError("should be a mesh whose vertices exist")
+        triangles = _triangles(vertices, corners, sizes)
+        if not len(triangles):
+            raise ValueError("should be a mesh with triangles")
+        used, triangles = np.unique(triangles, return_inverse=True)
+        vertices, triangles = vertices[used], triangles.reshape(-1, 3)
+        count, longest = len(triangles), float(np.ptp(vertices, axis=0).max())
+        if not np.isfinite(vertices).all():
+            raise ValueError("should be a mesh whose numbers are finite")
+        if not 1e-9 < longest < 1e9:
+            raise ValueError("should be a mesh whose longest side is from 1e-9 to 1e9")
+        kept, left, moved = _clustered(vertices, triangles, longest / FINEST)
+        edges = np.sort(left[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        is_open = bool(len(left)) and bool((np.unique(edges, axis=0, return_counts=True)[1] == 1).any())
+        size = longest / 1024
+        while len(left) > MAX_TRIANGLES:
+            kept, left, moved = _clustered(vertices, triangles, size)
+            size *= 1.25
+        if not len(left):
+            raise ValueError("should be a mesh with triangles that have an area")
+    left_out = FLAT if (sizes < 3).any() else left_out
+    return kept, left, {"count": count, "moved": moved, "is_open": is_open, "left_out": left_out}
 
 
 def _stl(data: bytes) -> tuple[Any, Any, Any, str]:
@@ -367,4 +350,4 @@ def _clustered(vertices: Any, triangles: Any, size: float) -> tuple[Any, Any, fl
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

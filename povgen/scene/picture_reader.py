@@ -1,19 +1,15 @@
-"""Decodes a user's picture in a process with limits of memory and time: `python -m povgen.scene.picture_reader FOLDER`.
+"""Decodes a user's picture, in a process of its own (`readers`): `python -m povgen.scene.picture_reader`.
 
-The folder has the user's file, GIVEN. The process writes DECODED, which is the file for renderers, and ANSWER, in JSON:
-the new file's name, its size and its mean colour, or the `fault` of the user's file. If the exit status is not 0, there
-is no answer: the status is the system's number of an error such as ENOSPC, or else the picture needs too much time or
-memory.
+The answer is the file for renderers, its name, its size and its mean colour.
 
 What a file states about its colours is applied, or the file is refused: no colour is shown as another.
 """
 
 import hashlib
-import json
-import sys
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -23,7 +19,6 @@ from povgen import remedies
 from povgen.errors import one_line, shown
 from povgen.scene import hdr, readers
 
-GIVEN, DECODED, ANSWER = "given", "decoded", "answer"
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF")
 MAX_SIZE = (8192, 4096)  # pixels
 MAX_MEMORY = 3 << 30  # bytes of address space
@@ -39,44 +34,28 @@ WHITE_IS_0 = 0  # for TIFF_MEANING
 EXIF_INTEROPERABILITY = 0xA005
 
 
-def main() -> int:
-    """Decode the picture in the folder. Return the exit status."""
-    readers.limit(MAX_MEMORY, MAX_TIME)
-    folder = Path(sys.argv[1])
-    file = b""
-    try:
-        file, answer = _decoded(folder / GIVEN)
-    except MemoryError:
-        return 1
-    except Exception as error:  # of any kind, by a library, for a damaged file
-        fault = str(error) if type(error) is ValueError and str(error).startswith(("should ", "needs ")) else ""
-        kinds = f"{', '.join(FORMATS)}; for the sky also HDR and EXR"
-        answer = {"fault": fault or f"should be a whole picture: {kinds}"}
-    try:
-        (folder / DECODED).write_bytes(file)
-        (folder / ANSWER).write_text(json.dumps(answer))
-    except OSError as error:
-        return error.errno or 1
-    return 0
+def main() -> None:
+    """Decode a picture."""
+    readers.serve(decoded, MAX_MEMORY, MAX_TIME)
 
 
-def _decoded(path: Path) -> tuple[bytes, dict[str, object]]:
-    """Return the file for renderers, and the answer."""
-    data = path.read_bytes()
-    if data.startswith((hdr.MARK, EXR)):
-        light = hdr.read(data) if data.startswith(hdr.MARK) else exr(path)
-        check_size(light.shape[1], light.shape[0])
-        file = hdr.written(light)
-        light = hdr.read(file)
-        mean = light.mean((0, 1), float).tolist()
-        return file, {"name": _name(file, "hdr"), "size": light.shape[1::-1], "mean": mean}
-    image = colours(data)
-    levels, count = hdr.linear(range(256)), image.width * image.height
-    mean = [float(levels @ image.histogram()[k : k + 256]) / count for k in (0, 256, 512)]
-    png = BytesIO()
-    image.save(png, "png", compress_level=3)
-    name = _name(image.tobytes() + repr(image.size).encode(), "png")
-    return png.getvalue(), {"name": name, "size": image.size, "mean": mean}
+def decoded(data: bytes) -> tuple[dict[str, Any], bytes]:
+    """Return the answer. Raises ValueError with the fault of the user's file."""
+    with readers.faults(f"picture: {', '.join(FORMATS)}; for the sky also HDR and EXR"):
+        if data.startswith((hdr.MARK, EXR)):
+            light = hdr.read(data) if data.startswith(hdr.MARK) else _exr_of(data)
+            check_size(light.shape[1], light.shape[0])
+            file = hdr.written(light)
+            light = hdr.read(file)
+            mean = light.mean((0, 1), float).tolist()
+            return {"name": _name(file, "hdr"), "size": light.shape[1::-1], "mean": mean}, file
+        image = colours(data)
+        levels, count = hdr.linear(range(256)), image.width * image.height
+        mean = [float(levels @ image.histogram()[k : k + 256]) / count for k in (0, 256, 512)]
+        png = BytesIO()
+        image.save(png, "png", compress_level=3)
+        name = _name(image.tobytes() + repr(image.size).encode(), "png")
+        return {"name": name, "size": image.size, "mean": mean}, png.getvalue()
 
 
 def _name(content: bytes, ending: str) -> str:
@@ -178,6 +157,14 @@ def _by_numbers(image: Image.Image, gamma: float | None, chromaticities: Sequenc
     return Image.fromarray(pixels)
 
 
+def _exr_of(data: bytes) -> hdr.Light:
+    """Return the light in an EXR file with this content: OpenEXR reads named files."""
+    with TemporaryFile() as file:
+        file.write(data)
+        file.flush()
+        return exr(Path(f"/dev/fd/{file.fileno()}"))
+
+
 def exr(path: Path) -> hdr.Light:
     """Return the light in an EXR file."""
     try:
@@ -232,4 +219,4 @@ def _channels(parts: Sequence[Sequence[str]]) -> tuple[int, list[str]]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -5,7 +5,6 @@ one, never the user's.
 """
 
 import dataclasses
-import json
 import os
 import re
 from collections.abc import Callable
@@ -19,9 +18,9 @@ from PIL import Image
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
-from povgen.files import NO_ROOM, read_bytes, temporary_folder
+from povgen.files import read_bytes
 from povgen.scene import hdr, readers
-from povgen.scene.picture_reader import ANSWER, DECODED, FORMATS, GIVEN
+from povgen.scene.picture_reader import FORMATS
 
 MAX_BYTES = 10**8  # of a file
 WIDTH = 2.0  # of a copy of the floor's picture, tiles
@@ -132,20 +131,10 @@ def _picture(path: str, options: str, width: float, data: bytes | None) -> Pictu
 @lru_cache(maxsize=2)  # a movie's frames have the same sky and floor
 def _decoded(data: bytes) -> tuple[File, tuple[int, int], tuple[float, float, float]]:
     """Return the new file of a picture, its size in pixels, and the mean colour."""
-    with temporary_folder() as folder:
-        (folder / GIVEN).write_bytes(data)
-        done = readers.run("picture_reader", str(folder), "picture")
-        if done.returncode in NO_ROOM:
-            raise OSError(done.returncode, os.strerror(done.returncode), str(folder.parent))
-        if done.returncode:
-            raise ValueError("should be a picture that needs less time and memory")
-        answer = json.loads((folder / ANSWER).read_text())
-        if "fault" in answer:
-            raise ValueError(answer["fault"])
-        file = kept(answer["name"], (folder / DECODED).read_bytes())
+    answer, content = readers.run("picture_reader", "picture", data)
     width, height = answer["size"]
     red, green, blue = answer["mean"]
-    return file, (width, height), (red, green, blue)
+    return kept(answer["name"], content), (width, height), (red, green, blue)
 
 
 def as_png(file: File) -> bytes:

@@ -266,9 +266,9 @@ def test_faces_with_any_number_of_corners(kind, tmp_path):
         head, body = binary_ply("<", lists("<", "face", rows)).replace(b"vertex 4", b"vertex 24").split(b"end_header\n")
         table = b"".join(struct.pack("<B3d", 9, *corner) for corner in corners)
         data = head + b"end_header\n" + table + body[4 * 25 :]
-    vertices, triangles, (count, _, is_open), _ = mesh_reader.read(data, kind)
+    vertices, triangles, said = mesh_reader.read(data, kind)
     a, b, c = vertices[triangles].transpose(1, 0, 2)
-    assert count == 2 * 10 + 12 * 2 and not is_open
+    assert said["count"] == 2 * 10 + 12 * 2 and not said["is_open"]
     assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 == pytest.approx(2 * 5 + 12)
     assert np.einsum("ij,ij", a, np.cross(b, c)) / 6 == pytest.approx(5)
 
@@ -309,7 +309,7 @@ FLAT, MOVING = mesh_reader.FLAT, mesh_reader.MOVING
     ids=short,
 )
 def test_what_is_left_out_is_said(kind, data, said):
-    assert mesh_reader.read(data, kind)[-1] == said and shape(data, kind) == shape(stl(), "stl")
+    assert mesh_reader.read(data, kind)[-1]["left_out"] == said and shape(data, kind) == shape(stl(), "stl")
 
 
 def test_a_surface_that_is_not_closed_is_said(tmp_path):
@@ -327,10 +327,10 @@ def test_the_reader_simplifies(monkeypatch):
     corners = np.column_stack((x.ravel(), y.ravel(), (x * x + y * y).ravel()))
     n = (np.arange(100)[:, None] * 101 + np.arange(100)).ravel()
     faces = np.concatenate([np.column_stack((n, n + 1, n + 102)), np.column_stack((n, n + 102, n + 101))])
-    vertices, triangles, (count, moved, is_open), _ = mesh_reader.read(stl(corners, faces), "stl")
-    assert is_open and count == 20000 and 1000 < len(triangles) <= 3000
+    vertices, triangles, said = mesh_reader.read(stl(corners, faces), "stl")
+    assert said["is_open"] and said["count"] == 20000 and 1000 < len(triangles) <= 3000
     gaps = np.linalg.norm(np.float32(corners)[:, None] - vertices, axis=2)
-    assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) <= moved + 1e-6 and 0.02 < moved < 0.1
+    assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) <= said["moved"] + 1e-6 and 0.02 < said["moved"] < 0.1
 
 
 def refused(path, data=None, options=""):
@@ -404,14 +404,14 @@ def test_a_file_that_is_too_large_or_takes_too_long(tmp_path, monkeypatch):
     assert "should be a mesh that is read within 0.01 s" in refused(tmp_path / "model.stl", stl(CORNERS * 2))
     monkeypatch.undo()
     huge = glb(accessor={"count": 10**10, "bufferView": None})
-    assert "should be a mesh that needs less memory" in refused(tmp_path / "model.glb", huge)
+    assert "should be a file that needs less memory" in refused(tmp_path / "model.glb", huge)
 
 
 def test_a_movie_reads_the_file_once(tmp_path, monkeypatch):
     (tmp_path / "model.stl").write_bytes(stl(CORNERS * 5))
     read = []
-    once = mesh._read
-    monkeypatch.setattr(mesh, "_read", lambda *given: read.append(1) or once(*given))
+    once = readers.run
+    monkeypatch.setattr(readers, "run", lambda *given: read.append(1) or once(*given))
     text = """title = "T"\nscene = "chess"\nframes = 4\n[fixed]\npiece = "model.stl,height=0.5"
 [[sweep]]\nparameter = "alpha"\nstart = 1\nstop = 9\n"""
     spec = MovieSpec.parse(text, "spec", tmp_path)
