@@ -15,15 +15,13 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, at_least, input_errors, one_line, shown
-from povgen.optics.equations import Booleans, Complexes, Floats
-from povgen.optics.ghosts import Ghost, ghosts
 from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot, trace_windows
 from povgen.record import Record, info
-from povgen.scene import camera, checks, pictures, predictions
+from povgen.scene import camera, checks, pictures
 from povgen.scene.fields import Z1, Aside, Colour, OneOrMore, PictureFile, PictureSize, PieceValue, Point, as_tuple, rgb
-from povgen.scene.model import EyeAndWindows
 from povgen.scene.pictures import Picture
 from povgen.scene.pieces import PIECES, PieceFile, radius
+from povgen.scene.predictions import Predicted
 from povgen.scene.recorded import scenes
 from povgen.scene.windows import Window
 from povgen.sheets.profile import ProfileFile
@@ -32,7 +30,7 @@ from povgen.validation import as_flag
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 
 
-class Scene(EyeAndWindows):
+class Scene(Predicted):
     """What all scenes share: the eye, the windows and the sheets in them. The parameters of the sheets come first."""
 
     name: ClassVar[str]
@@ -82,62 +80,6 @@ class Scene(EyeAndWindows):
     def outlines(self) -> tuple[str, ...]:
         """The names of the parameters that draw an outline on the picture, and are true."""
         return ()
-
-    @input_errors()
-    def apparent_position(
-        self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0
-    ) -> Complexes:
-        """Return where the eye sees a point, in the plane z = 0: eq. 7, or what `apparent.position` finds.
-
-        L (complex) and z1 are in tiles. alpha, in degrees, replaces the first window's own, if its sheet has an
-        alpha. `near` is for sheets without a ray-transfer matrix: light that passes the point at up to this distance,
-        in tiles, also counts. Arrays broadcast. The result is the complex infinity if the point appears at infinity. It
-        is NaN if the eye sees the point in no direction, or in every direction. It is NaN if an argument is NaN, or L
-        or alpha is infinite. Raises InputError for a z1 that is infinite or below 0.
-        """
-        return predictions.apparent_position(self, L, z1, alpha, near)
-
-    def visible(self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0) -> Booleans:
-        """Return whether light from a point reaches the eye through the windows, by the prediction.
-
-        The light must pass inside each window frame's front and back, and inside each window at the middle planes of
-        its sheets, where the prediction turns it. Arguments as for `apparent_position`.
-        """
-        return self.seen(L, z1, alpha, near)[1]
-
-    @input_errors()
-    def seen(
-        self, L: ArrayLike, z1: ArrayLike, alpha: ArrayLike | None = None, near: ArrayLike = 0
-    ) -> tuple[Complexes, Booleans]:
-        """Return the apparent position of a point, and whether it is visible: `apparent_position` and `visible`."""
-        return predictions.seen(self, L, z1, alpha, near)
-
-    @input_errors()
-    def ghosts(self, L: complex, z1: float, least: float = 0.05) -> list[Ghost]:
-        """Return the ghosts of a point through a window of lenses: images by light that passes over to the next lens.
-
-        L (complex) and z1 are in tiles. Ghosts with a share (`Ghost.share`, 0 to 1) below `least` are left out. So are
-        ghosts whose position is outside the opening of the window's frame. The list is empty for several windows, for
-        ideal sheets and Dove prisms, and for an L that is NaN or infinite. Raises InputError for a z1 that is infinite
-        or below 0.
-        """
-        predictions.distances(z1)
-        if self.window or not self.layered or not isfinite(L):
-            return []
-        return ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0), self.aperture, least)
-
-    @input_errors()
-    def nu_and_M(self, z1: ArrayLike) -> tuple[Floats, Floats]:
-        """Return the angle nu, degrees, through which the windows show an object turned, and its magnification M.
-
-        For a single window with the sheet "ideal" they are eqs. 8 and 9, corrected (docs/errata.md). Otherwise they are
-        those of `apparent.nu_and_M`. nu is positive if the object appears turned counter-clockwise. Let s be the sum of
-        all alphas, reduced to -180 to 180 degrees. Of all equivalent angles, nu is the one within 180 degrees of s/2.
-        At the pole nu is NaN and M is infinite. For a mirrored object nu is NaN. nu and M are NaN if a sheet does more
-        than to rotate light about its normal, because it can distort an object. z1 is in tiles; arrays broadcast.
-        Raises InputError for a z1 that is infinite or below 0.
-        """
-        return predictions.nu_and_M(self, z1)
 
     @input_errors()
     def rays(self, size: str | Sequence[int]) -> Bundle:

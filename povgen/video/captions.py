@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from povgen.optics import equations
 from povgen.scene.pieces import PIECES
-from povgen.scene.predictions import only_rotates
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
 from povgen.scene.scenes import Scene, used_parameters
 from povgen.scene.spec import swept_numbers
@@ -253,12 +252,12 @@ def facts(scene: Scene) -> dict[str, str]:
     tiles = UNITS["z1"]
     texts = {"z1": _range(z1, ".4g") + tiles, "z2": _number(scene.z2, ".4g") + tiles}
     texts["r"] = _range(equations.r(z1, scene.z2))
-    other = not (only_rotates(scene) or scene.sheet == "single")
+    other = not (scene.has_nu_and_M or scene.sheet == "single")
     if scene.window or other:  # r is for a single window that rotates light
         del texts["r"]
     if scene.window:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places) + tiles, **texts}
-    if only_rotates(scene) and not scene.is_empty:
+    if scene.has_nu_and_M and not scene.is_empty:
         nu, M = scene.nu_and_M(z1)
         texts = {**_values(scene), **texts, "nu": _range(nu, ".1f", "°"), "M": _range(M)}
     if other:
