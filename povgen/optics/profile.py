@@ -6,11 +6,11 @@ between glass and air consist of straight edges and of circular arcs. An outline
 continues in the next period, as the face of an array of lenses does.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, combinations, pairwise
 from math import asin, hypot, isfinite, radians, sqrt, tan
-from typing import Any, NamedTuple, TypeGuard
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -150,28 +150,6 @@ class Profile:
         ]
         return cls(tuple(centred), tuple(path), index, gap)
 
-    @classmethod
-    def of_table(cls, table: Mapping[str, object]) -> "Profile":
-        """Return the profile that a table of a TOML file states. Raises ValueError, with the key and what is allowed.
-
-        The table's keys are `index`, `gap`, `period`, `path`, and a table `[[outline]]` with `corners` and `radii` for
-        each outline. Its lengths are in the unit of `period`. The result has the pitch 1, whatever the period.
-        """
-        allowed = {"index", "gap", "period", "path", "outline"}
-        for key in table.keys() - allowed:
-            raise ValueError(f"{key}: unknown; allowed: {', '.join(sorted(allowed))}")
-        period = _number(table, "period", 1.0)
-        if not period > 0:
-            raise ValueError(f"period = {period:g}; allowed: above 0")
-        outlines = table.get("outline")
-        if not isinstance(outlines, list) or not all(isinstance(each, dict) for each in outlines):
-            raise ValueError("outline: missing; allowed: a table [[outline]] for each outline")
-        path = table.get("path")
-        if not isinstance(path, list) or not all(type(number) is int for number in path):
-            raise ValueError("path: missing; allowed: the numbers of the edges that light should meet, as [1, 2]")
-        found = [_outline(each, number, period) for number, each in enumerate(outlines, 1)]
-        return cls.of_outlines(found, path, _number(table, "index", 1.5), _number(table, "gap", 0.01 * period) / period)
-
     def scaled(self, pitch: float) -> "Profile":
         """Return the profile with another period."""
         return replace(self, pitch=pitch)
@@ -290,37 +268,6 @@ def _lenses(vertex: float, radius: float, side: int) -> Outline:
     """Return a face of lenses that bulge to smaller z (side -1) or to greater z (1), up to z = `vertex`."""
     corner = vertex - side * (radius - sqrt(radius**2 - 0.25))
     return Outline(((0, corner), (1, corner)), (radius,))
-
-
-def _number(table: Mapping[str, object], key: str, default: float) -> float:
-    """Return a number of a table. Raises ValueError."""
-    value = table.get(key, default)
-    if not _is_number(value):
-        raise ValueError(f"{key} = {value}; allowed: a number")
-    return float(value)
-
-
-def _outline(table: Mapping[str, object], number: int, period: float) -> Outline:
-    """Return the outline of a table, in periods. Raises ValueError."""
-    for key in table.keys() - {"corners", "radii"}:
-        raise ValueError(f"outline {number}: {key}: unknown; allowed: corners, radii")
-    corners: Any = table.get("corners")
-    radii: Any = table.get("radii", [])
-    if not isinstance(corners, list) or len(corners) < 2 or not all(_is_numbers(corner, 2) for corner in corners):
-        raise ValueError(f"outline {number}: corners = {corners}; allowed: two or more points, as [[0, 0], [1, 0]]")
-    if not _is_numbers(radii) or len(radii) not in (0, len(corners) - 1):
-        raise ValueError(f"outline {number}: radii = {radii}; allowed: a number for each of {len(corners) - 1} edges")
-    points = tuple((u / period, z / period) for u, z in corners)
-    return Outline(points, tuple(radius / period for radius in radii) or (0.0,) * (len(corners) - 1))
-
-
-def _is_numbers(value: object, count: int | None = None) -> bool:
-    """Return whether a value is a list of numbers, and has the length `count` unless that is None."""
-    return isinstance(value, list) and (count is None or len(value) == count) and all(map(_is_number, value))
-
-
-def _is_number(value: object) -> TypeGuard[float]:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < LARGEST
 
 
 def _edges(outline: Outline, number: int) -> list[Edge]:

@@ -3,8 +3,9 @@
 import os
 import tomllib
 from functools import cached_property
+from typing import Annotated
 
-from pydantic import model_serializer
+from pydantic import Field, model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import read_text
@@ -15,10 +16,31 @@ from povgen.sheets.crossed import Alone, Crossed
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import ALPHA
 from povgen.sheets.sheet import Ideal, Parameter
+from povgen.validation import Model
 
 NAMES = ("dove", "confocal", "lenticulars", "wedges")  # functions of optics/profile.py
 MAX_BYTES = 2**14  # of a file
 NEARLY = 0.02  # a sheet reverses slopes if `factor` differs from -1, and `deviation` from 0, by less than this
+
+
+Number = Annotated[float, Field(ge=-1e9, le=1e9)]
+
+
+class _Outline(Model):
+    corners: Annotated[tuple[tuple[Number, Number], ...], Field(min_length=2)] = Field(
+        description="two or more points, as [[0, 0], [1, 0]]"
+    )
+    radii: tuple[Number, ...] = Field(default=(), description="a number for each edge; 0: straight")
+
+
+class _Table(Model):
+    """What a profile's file states. Lengths are in the unit of `period`."""
+
+    index: Number = Field(default=1.5, description="refractive index, above 1, up to 4")
+    gap: Number | None = Field(default=None, description="air between two sheets (default: 0.01 periods)")
+    period: Annotated[Number, Field(gt=0)] = Field(default=1, description="above 0")
+    outline: tuple[_Outline, ...] = Field(description="a table [[outline]] for each outline")
+    path: tuple[int, ...] = Field(description="numbers of the edges that light should meet, as [1, 2]")
 
 
 @dataclass(frozen=True)
@@ -30,11 +52,22 @@ class ProfileFile:
 
     @cached_property
     def profile(self) -> profile.Profile:
-        """The profile. Raises ValueError if the text is not TOML, or states no profile that is allowed."""
+        """The profile, with the pitch 1. Raises ValueError if the text is not TOML, or states none that is allowed."""
         try:
-            return profile.Profile.of_table(tomllib.loads(self.text))
+            table = _Table(**tomllib.loads(self.text))
         except RecursionError:  # thousands of brackets
             raise ValueError("not TOML") from None
+        outlines = []
+        for number, (corners, radii) in enumerate(((each.corners, each.radii) for each in table.outline), 1):
+            if len(radii) not in (0, len(corners) - 1):
+                raise ValueError(
+                    f"outline {number}: {len(radii)} radii; allowed: one for each of {len(corners) - 1} edges"
+                )
+            points = tuple((u / table.period, z / table.period) for u, z in corners)
+            several = tuple(radius / table.period for radius in radii or (0.0,) * (len(corners) - 1))
+            outlines.append(profile.Outline(points, several))
+        gap = 0.01 if table.gap is None else table.gap / table.period
+        return profile.Profile.of_outlines(outlines, table.path, table.index, gap)
 
     @model_serializer
     def __str__(self) -> str:

@@ -1,6 +1,5 @@
 """Profiles: what a user can state wrongly, and the general ray trace against the special one and against formulas."""
 
-import tomllib
 from math import radians
 
 import numpy as np
@@ -10,8 +9,9 @@ from povgen import Chess
 from povgen.optics import paraxial
 from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
-from povgen.optics.profile import Profile, confocal, dove, lenticulars, wedges
+from povgen.optics.profile import confocal, dove, lenticulars, wedges
 from povgen.optics.trace import End, pair, trace
+from povgen.sheets.profile import ProfileFile
 
 LENS = """
 index = 1.6
@@ -35,7 +35,7 @@ HOLE = (
 
 
 def read(text):
-    return Profile.of_table(tomllib.loads(text))
+    return ProfileFile("lens.toml", text).profile
 
 
 def fan(n, slope=0.25, seed=1):
