@@ -13,10 +13,12 @@ import stat
 import struct
 import sys
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, Field
 
@@ -25,6 +27,7 @@ from povgen.files import in_home
 from povgen.settings import Rendering
 from povgen.validation import Model
 
+T = TypeVar("T")
 FORMAT = 1  # of records; a povgen that cannot read a new kind of record says so
 MAX_BYTES = 2**24  # of a record
 MAX_FRAMES = 30000  # as many as a movie's spec can have
@@ -87,6 +90,37 @@ class Record(Model):
             size = f"{len(text) / 2**20:.1f} MiB with the text of all pieces"
             raise InputError(f"frames: the record of how the file was made has {size}; allowed: {MAX_BYTES >> 20} MiB")
         return b"povgen record %d %08x\n" % (FORMAT, zlib.crc32(text)) + text
+
+
+_in_use: ContextVar[tuple[dict[str, str], dict[Any, Any]] | None] = ContextVar("_in_use", default=None)
+
+
+@contextmanager
+def in_use(record: Record) -> Iterator[None]:
+    """Let the texts in a record stand for the files that scenes name. Meanwhile no such file is read."""
+    token = _in_use.set(({**record.pieces, **record.pictures}, {}))
+    try:
+        yield
+    finally:
+        _in_use.reset(token)
+
+
+def held(name: str, make: Callable[[str, str], T]) -> T | None:
+    """Return `make(name, text)`, made once, for the text that the record in use has under a name.
+
+    Return None if no record is in use. Raises ValueError if it has no such text.
+    """
+    if not (used := _in_use.get()):
+        return None
+    texts, made = used
+    if name not in texts:
+        raise ValueError(
+            f"not in the record, which holds pieces, profiles and up to {MAX_PICTURES} pictures, of 4 MiB together"
+        )
+    if (make, name) not in made:
+        made[make, name] = make(name, texts[name])
+    found: T = made[make, name]
+    return found
 
 
 def differing(frames: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -4,6 +4,7 @@ povgen decodes a file and writes a new one: PNG, or Radiance (.hdr) of a picture
 one, never the user's.
 """
 
+import base64
 import dataclasses
 import os
 import re
@@ -19,6 +20,7 @@ from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import read_bytes
+from povgen.record import held
 from povgen.scene import hdr, readers
 from povgen.scene.picture_reader import FORMATS
 
@@ -74,28 +76,28 @@ class Picture:
         return f"{self.path}{self.options}".encode(errors="backslashreplace").decode()
 
 
-def sky(value: object, data: bytes | None = None) -> Picture | None:
+def sky(value: object) -> Picture | None:
     """Return the picture of the surroundings in the file with the path `value`. None and a `Picture` stay as they are.
 
-    The text "mountains" gives None: mountains and sky of povgen's own. `data` is the file's content; if it is None, the
-    file is read. Raises ValueError for a file that is no picture, and for a picture that is not twice as wide as high.
+    The text "mountains" gives None: mountains and sky of povgen's own. Raises ValueError for a file that is no picture,
+    and for a picture that is not twice as wide as high.
     """
     if value is None or isinstance(value, Picture):
         return value
     if value == "mountains":
         return None
-    picture = _picture(_path(value), "", WIDTH, data)
+    picture = _picture(_path(value), "", WIDTH)
     width, height = picture.size
     if abs(width - 2 * height) > 0.02 * width:
         raise ValueError(f"should be twice as wide as high (equirectangular), not {width}x{height} pixels")
     return picture
 
 
-def floor(value: object, data: bytes | None = None) -> Picture | str:
+def floor(value: object) -> Picture | str:
     """Return the floor's picture in a file that `value` names, such as wood.jpg or wood.jpg,width=4.
 
-    The texts "tiles" and "none", and a `Picture`, stay as they are. `data` is the file's content; if it is None, the
-    file is read. Raises ValueError for a file that is no picture, for a picture of light, and for a width out of range.
+    The texts "tiles" and "none", and a `Picture`, stay as they are. Raises ValueError for a file that is no
+    picture, for a picture of light, and for a width out of range.
     """
     if isinstance(value, Picture) or isinstance(value, str) and value in ("tiles", "none"):
         return value
@@ -106,7 +108,7 @@ def floor(value: object, data: bytes | None = None) -> Picture | str:
         width = 0
     if not 0.1 <= width <= 1000:
         raise ValueError(f"should have a width from 0.1 to 1000 tiles, not width={text}")
-    picture = _picture(*((path, f"{comma}{text}") if comma else (text, "")), width, data)
+    picture = _picture(*((path, f"{comma}{text}") if comma else (text, "")), width)
     if picture.is_light:
         raise ValueError(f"should be a picture of colours: {', '.join(FORMATS)}")
     return picture
@@ -123,9 +125,13 @@ def used(text: str) -> dict[str, bytes]:
     return {name: _files[name].content for name in dict.fromkeys(NAME.findall(text)) if name in _files}
 
 
-def _picture(path: str, options: str, width: float, data: bytes | None) -> Picture:
-    file, size, mean = _decoded(read_bytes(path, MAX_BYTES) if data is None else data)
+def _picture(path: str, options: str, width: float) -> Picture:
+    file, size, mean = held(f"{path}{options}", _recorded) or _decoded(read_bytes(path, MAX_BYTES))
     return Picture(path, file, size, mean, options, width)
+
+
+def _recorded(name: str, text: str) -> tuple[File, tuple[int, int], tuple[float, float, float]]:  # noqa: ARG001
+    return _decoded(base64.b64decode(text))
 
 
 @lru_cache(maxsize=2)  # a movie's frames have the same sky and floor

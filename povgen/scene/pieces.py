@@ -11,6 +11,7 @@ from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import read_bytes, read_text
+from povgen.record import held
 from povgen.scene import mesh
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
@@ -63,12 +64,19 @@ def as_piece(value: object) -> object:
         value = os.fspath(value)
     if not isinstance(value, str) or value in PIECES:
         return value
+    if recorded := held(value, _recorded):
+        return recorded
     value = os.path.expanduser(value)
     if found := mesh.split(value):
         path, kind, options = found
         text, note = mesh.text_and_note(read_bytes(path, mesh.MAX_BYTES), kind, options, FILE_RADIUS)
         return PieceFile(path, text, value.removeprefix(path), note, True)
-    return PieceFile(value, _text(value))
+    return PieceFile(value, checked(read_text(value, MAX_BYTES)))
+
+
+def _recorded(path: str, text: str) -> PieceFile:
+    is_mesh = mesh.is_own(text)
+    return PieceFile(path, text if is_mesh else checked(text), is_mesh=is_mesh)
 
 
 def from_folder(value: object, folder: str | Path, names: Collection[str] = PIECES) -> object:
@@ -84,11 +92,6 @@ def from_folder(value: object, folder: str | Path, names: Collection[str] = PIEC
 def radius(piece: str | PieceFile) -> float:
     """Return the radius of a piece's foot, tiles."""
     return FILE_RADIUS if isinstance(piece, PieceFile) else PIECES[piece]
-
-
-def _text(path: str) -> str:
-    """Return the text of a file that declares `Piece`, as `checked` does."""
-    return checked(read_text(path, MAX_BYTES))
 
 
 def checked(text: str) -> str:

@@ -12,6 +12,7 @@ from povgen.files import read_text
 from povgen.limits import MAX_PRISMS
 from povgen.optics import paraxial, profile
 from povgen.optics.prism import Prism
+from povgen.record import held
 from povgen.sheets.crossed import Alone, Crossed
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import ALPHA
@@ -82,8 +83,8 @@ def as_profile(value: object) -> object:
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
     if isinstance(value, str) and value not in NAMES:
-        value = os.path.expanduser(value)
-        value = ProfileFile(value, read_text(value, MAX_BYTES))
+        path = os.path.expanduser(value)
+        value = held(value, ProfileFile) or ProfileFile(path, read_text(path, MAX_BYTES))
     if not isinstance(value, ProfileFile):
         return value
     try:

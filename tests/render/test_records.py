@@ -17,7 +17,7 @@ from povgen import record as records
 from povgen.cli import options as cli_options
 from povgen.liveview.values import values as live_values
 from povgen.rendering import povray
-from povgen.scene import mesh, pictures
+from povgen.scene import mesh, pictures, pieces
 from povgen.scene import recorded as recorded_scenes
 from povgen.scene.scenes import SCENES as SCENE_CLASSES
 from povgen.version import __version__
@@ -93,7 +93,7 @@ def test_files_that_a_scene_shows_are_in_the_record(tmp_path, monkeypatch):
     assert povgen(["frame", "--quiet", "--from", "frame.png", "--sky", "mountains", "-o", "c.png"], tmp_path)[0] == 0
     assert [info(tmp_path / name).frames[0]["sky"] for name in ("b.png", "c.png")] == [str(path), None]
     said = refused(["frame", "--from", "bare.png"], tmp_path)
-    assert "the picture is not in the record; allowed: up to 4, of 4 MiB together" in said
+    assert "not in the record, which holds pieces, profiles and up to 4 pictures, of 4 MiB together" in said
 
 
 def test_what_is_not_seen_is_not_embedded(tmp_path):
@@ -215,15 +215,16 @@ def test_a_strangers_record_is_checked(made, tmp_path):
     secret = tmp_path / "secret.inc"
     secret.write_text(PIECE)
     before = os.stat(secret).st_atime_ns
-    for piece in (str(secret), [str(secret)], [["king"]], 3):
-        assert "its text is not in the record; allowed: pawn, rook" in with_record(made, frame={"piece": piece})
+    for piece in (str(secret), [str(secret)]):
+        assert "not in the record, which" in with_record(made, frame={"piece": piece})
+    assert "should be a name or a file" in with_record(made, frame={"piece": 3})
     (tmp_path / "secret.toml").write_text("")
     window = f"z=2,sheet=profile,profile={tmp_path / 'secret.toml'}"
     for windows in (window, [window], {"z": 2, "profile": str(secret)}):
         assert "window = " in with_record(made, frame={"window": windows})
-    assert "its text is not in the record" in with_record(made, frame={"window": [{"z": 2, "profile": str(secret)}]})
+    assert "not in the record" in with_record(made, frame={"window": [{"z": 2, "profile": str(secret)}]})
     (made / "none").write_bytes((made / "a.png").read_bytes())
-    assert "sky = 'none': the picture is not in the record" in with_record(made, frame={"sky": "none"})
+    assert "sky = 'none': not in the record" in with_record(made, frame={"sky": "none"})
     broken = (made / "a.png").read_bytes()[:60]
     said = with_record(made, frame={"sky": "none"}, pictures={"none": base64.b64encode(broken).decode()})
     assert "sky = 'none': should be a whole picture" in said
@@ -260,7 +261,7 @@ def test_each_file_in_a_record_is_checked_once(made, tmp_path, monkeypatch):
     with open(picture(tmp_path), "rb") as file:
         png = base64.b64encode(file.read()).decode()
     calls = []
-    for module, name in ((recorded_scenes, "checked"), (pictures, "_picture"), (tomllib, "loads")):
+    for module, name in ((pieces, "checked"), (pictures, "_decoded"), (tomllib, "loads")):
         function = getattr(module, name)
         monkeypatch.setattr(module, name, lambda *a, f=function, n=name, **b: calls.append(n) or f(*a, **b))
     window = {"z": 30, "sheet": "profile", "profile": "own.toml"}
@@ -274,7 +275,7 @@ def test_each_file_in_a_record_is_checked_once(made, tmp_path, monkeypatch):
     )
     scenes = recorded_scenes.scenes(record, SCENE_CLASSES)
     assert [scene.z1 for scene in scenes] == [2, 3, 4] and scenes[0].piece[0] is scenes[2].piece[2]
-    assert sorted(calls) == ["_picture", "_picture", "checked", "loads"]
+    assert sorted(calls) == ["_decoded", "_decoded", "checked", "loads"]
     monkeypatch.setattr(recorded_scenes, "PATIENCE", -1)
     with pytest.raises(InputError, match="frames: 0 of 3 were checked within -1 s; allowed: "):
         recorded_scenes.scenes(record, SCENE_CLASSES)
