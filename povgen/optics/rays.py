@@ -258,17 +258,8 @@ def trace_windows(
     if len({sheet.window for sheet in sheets}) < len(glass):
         raise ValueError("windows: an ideal sheet behind prisms; allowed: ideal sheets first")
     n = int(np.prod(rays.shape))
-    found = Rays(
-        rays.position.reshape(n, 3).copy(),
-        rays.direction.reshape(n, 3).copy(),
-        np.full(n, End.THROUGH, np.uint8),
-        np.zeros((n, most if sheets else 0), np.uint8),
-        np.zeros(n, int),
-        np.ones(n),
-        np.zeros(n, bool),
-        np.full(n, not sheets),
-        np.zeros((n, len(sheets)), int),
-    )
+    position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
+    found = Rays.starting(position, direction.copy(), most if sheets else 0, len(sheets))
     _check_start(found, windows[0][0], windows[-1][0])
     way = _Way(found, aperture / 2, frame / 2)
     camera, light = np.flatnonzero(found.direction[:, 2] > 0), np.flatnonzero(found.direction[:, 2] < 0)

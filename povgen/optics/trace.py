@@ -61,6 +61,22 @@ class Rays:
     # which it first did, (n, sheets). For lenses it is the number of the ghost.
     orders: Indices
 
+    @classmethod
+    def starting(cls, position: Floats, direction: Floats, most: int, sheets: int) -> "Rays":
+        """Return rays that start, whose count of faces is at most `most`. Their positions are copied."""
+        n = len(position)
+        return cls(
+            position.copy(),
+            direction,
+            np.full(n, End.THROUGH, np.uint8),
+            np.zeros((n, most), np.uint8),
+            np.zeros(n, int),
+            np.ones(n),
+            np.zeros(n, bool),
+            np.full(n, not sheets),
+            np.zeros((n, sheets), int),
+        )
+
     def __getitem__(self, some: slice) -> "Rays":
         """Return some of the rays. Their arrays share memory with those of all."""
         return Rays(*(getattr(self, field.name)[some] for field in fields(self)))
@@ -106,19 +122,8 @@ def trace(
         along = along / np.linalg.norm(along, axis=1, keepdims=True)
     _check_approach(position, along, sheets, window)
     forward = along[:, 2:] > 0
-    n = len(position)
-    rays = Rays(
-        position.copy(),
-        along,
-        np.empty(n, np.uint8),
-        np.zeros((n, most), np.uint8),
-        np.zeros(n, int),
-        np.ones(n),
-        np.zeros(n, bool),
-        np.zeros(n, bool),
-        np.zeros((n, len(sheets)), int),
-    )
-    for start in range(0, n, CHUNK):
+    rays = Rays.starting(position, along, most, len(sheets))
+    for start in range(0, len(position), CHUNK):
         with np.errstate(divide="ignore", invalid="ignore"):
             _Trace(rays[start : start + CHUNK], sheets, glass, window, frame, partial).run()
     rays.designed = on_path(rays, several, forward) & ~rays.reflected & ~rays.orders.any(1)

@@ -14,6 +14,7 @@ from povgen.sheets.layered import Layered
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.parameters import INDEX, WAVELENGTH, design_index
 from povgen.sheets.prisms import SHAPE, PrismPair, Prisms
+from povgen.sheets.sheet import Sheet
 
 MAX_DEPTH = 100  # of the sheets, tiles
 MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
@@ -22,10 +23,12 @@ MAX_DISTANCE = 5e6  # POV-Ray's units; its own limit is 10 million
 def check(scene: EyeAndWindows) -> None:
     """Check the eye and the windows, and set the index of named glasses."""
     _find_indices(scene)
-    _check_shapes(scene)
-    _check_depths_and_eye(scene)
-    _check_laws(scene)
-    _check_windows(scene)
+    for number, (window, sheet) in enumerate(zip(scene.parameter_sets, scene.sheets, strict=True), 1):
+        with _named(number):
+            _check_shape(scene, window, sheet)
+            _check_depth(scene, sheet)
+            _check_law(scene, window)
+    _check_places(scene)
 
 
 def check_clear(scene: EyeAndWindows, what: str, z1: float, nearest: float) -> None:
@@ -46,26 +49,22 @@ def farthest(scene: EyeAndWindows) -> float:
 
 
 @contextmanager
-def _named(where: str) -> Iterator[None]:
-    """Begin the message of a ValueError with the window that it is about."""
+def _named(number: int) -> Iterator[None]:
+    """Begin the message of a ValueError with the number of the window that it is about, if it is not the first one."""
     try:
         yield
     except ValueError as error:
-        raise ValueError(f"{where}{error}") from None
+        raise ValueError(f"window {number}, {error}" if number > 1 else str(error)) from None
 
 
-def _index_of(window: EyeAndWindows | Window, where: str, wavelength: float) -> float | None:
-    """Return the refractive index of a window's prisms, or None if the window uses that of the first window.
-
-    `where` begins an error's message.
-    """
+def _index_of(window: EyeAndWindows | Window, wavelength: float) -> float | None:
+    """Return the refractive index of a window's prisms, or None if the window uses that of the first window."""
     given: float | None = window.index
     if not has_glass(window):
         return given
-    with _named(where):
-        index = glasses.index(str(window.glass), wavelength * 1e-9)
+    index = glasses.index(str(window.glass), wavelength * 1e-9)
     if "index" in window.model_fields_set and given != index:
-        raise ValueError(f"{where}index = {given:g}, glass = {window.glass!r}: allowed: one of them")
+        raise ValueError(f"index = {given:g}, glass = {window.glass!r}: allowed: one of them")
     return index
 
 
@@ -75,7 +74,7 @@ def _for_no_glass(name: str, wavelength: float) -> str:
 
 def _find_indices(scene: EyeAndWindows) -> None:
     """Set the index of named glasses for light. Checks, renderers and predictions then need the index alone."""
-    object.__setattr__(scene, "index", _index_of(scene, "", scene.wavelength))  # the model is frozen
+    object.__setattr__(scene, "index", _index_of(scene, scene.wavelength))  # the model is frozen
     scene.model_fields_set.discard("index" if scene.glass != "none" else "")
     found: list[Window] = []
     for number, window in enumerate(scene.window, 2):
@@ -84,7 +83,8 @@ def _find_indices(scene: EyeAndWindows) -> None:
             object.__setattr__(own, "glass", "none")
         if own.glass == "none" and own.index is None and has_glass(scene):  # the first window's index is its glass's
             object.__setattr__(own, "index", INDEX.default)
-        object.__setattr__(own, "index", _index_of(own, f"window {number}, ", scene.wavelength))
+        with _named(number):
+            object.__setattr__(own, "index", _index_of(own, scene.wavelength))
         if has_glass(own):  # the index is found, not given
             own.model_fields_set.discard("index")
         found.append(own)
@@ -94,60 +94,53 @@ def _find_indices(scene: EyeAndWindows) -> None:
             raise ValueError(_for_no_glass(name, value))
 
 
-def _check_shapes(scene: EyeAndWindows) -> None:
-    for number, (window, sheet) in enumerate(zip(scene.states, scene.sheets, strict=True), 1):
-        values, where = scene.values_of(window, SHAPE), f"window {number}, " if number > 1 else ""
-        with _named(where):
-            if number > 1 and window.design_wavelength is not None and values["glass"] == "none":
-                raise ValueError(_for_no_glass("design_wavelength", window.design_wavelength))
-            planned = Prism(1.0, design_index(values), values["base_angle"], aspect=values["aspect"])
-        if number > 1 and not isinstance(sheet, Prisms):  # the first shape is checked even if no window has prisms
-            continue
-        if planned.aspect == 2:
-            raise ValueError(f"{where}aspect = 2: no light would take the designed path; allowed: below 2")
-        if planned.aspect <= (least := planned.least_aspect):
-            raise ValueError(
-                f"{where}aspect = {planned.aspect:g}: the slanted facets of prisms with index = {planned.index:g} "
-                f"and base_angle = {planned.base_angle:g} would cross; allowed: {at_least(least)} < aspect < 2"
-            )
+def _check_shape(scene: EyeAndWindows, window: EyeAndWindows | Window, sheet: Sheet) -> None:
+    values, is_first = scene.values_of(window, SHAPE), window is scene
+    if not is_first and window.design_wavelength is not None and values["glass"] == "none":
+        raise ValueError(_for_no_glass("design_wavelength", window.design_wavelength))
+    planned = Prism(1.0, design_index(values), values["base_angle"], aspect=values["aspect"])
+    if not is_first and not isinstance(sheet, Prisms):  # the first shape is checked even if no window has prisms
+        return
+    if planned.aspect == 2:
+        raise ValueError("aspect = 2: no light would take the designed path; allowed: below 2")
+    if planned.aspect <= (least := planned.least_aspect):
+        raise ValueError(
+            f"aspect = {planned.aspect:g}: the slanted facets of prisms with index = {planned.index:g} "
+            f"and base_angle = {planned.base_angle:g} would cross; allowed: {at_least(least)} < aspect < 2"
+        )
 
 
-def _check_depths_and_eye(scene: EyeAndWindows) -> None:
-    for number, sheet in enumerate(scene.sheets, 1):
-        where = f"window {number}, " if number > 1 else ""
-        with _named(where):  # errors out of range, lenses of a shape that does not exist
-            if isinstance(sheet, (PrismPair, Lenticular)):
-                sheet.check_errors()
-            depth = sheet.depth
-        if not sheet.is_exact and scene.window:
-            raise ValueError("error: only for a single window; allowed: no errors with --window")
-        if depth > MAX_DEPTH:
-            assert isinstance(sheet, Layered)  # others have no depth
-            what = "prisms" if isinstance(sheet, Prisms) else "profile"
-            raise ValueError(
-                f"{where}{sheet.counted} = {sheet.values[sheet.counted]}: with this shape of the {what} and "
-                f"aperture = {scene.aperture:g} the sheets would be {depth:.4g} tiles deep; "
-                f"allowed: up to {MAX_DEPTH} tiles, as with more {sheet.counted}"
-            )
+def _check_depth(scene: EyeAndWindows, sheet: Sheet) -> None:
+    if isinstance(sheet, (PrismPair, Lenticular)):
+        sheet.check_errors()
+    depth = sheet.depth  # raises for lenses of a shape that does not exist
+    if not sheet.is_exact and scene.window:
+        raise ValueError("error: only for a single window; allowed: no errors with --window")
+    if depth > MAX_DEPTH:
+        assert isinstance(sheet, Layered)  # others have no depth
+        what = "prisms" if isinstance(sheet, Prisms) else "profile"
+        raise ValueError(
+            f"{sheet.counted} = {sheet.values[sheet.counted]}: with this shape of the {what} and "
+            f"aperture = {scene.aperture:g} the sheets would be {depth:.4g} tiles deep; "
+            f"allowed: up to {MAX_DEPTH} tiles, as with more {sheet.counted}"
+        )
+
+
+def _check_law(scene: EyeAndWindows, window: EyeAndWindows | Window) -> None:
+    """Check a window's law, even if its sheet has none."""
+    text, parameters = scene.values_of(window, ("law", "parameter")).values()
+    try:
+        Law(text, parameters).check_divisions(parameters)
+    except ValueError as error:
+        raise ValueError(f"law = {shown(text)}: {error}") from None
+
+
+def _check_places(scene: EyeAndWindows) -> None:
     nearest = scene.depth / 2 + 0.01
     if scene.z2 <= nearest:
         raise ValueError(
             f"z2 = {scene.z2:g}: the eye would be inside the window frame; allowed: z2 > {at_least(nearest)}"
         )
-
-
-def _check_laws(scene: EyeAndWindows) -> None:
-    # a law is checked even if no window has it
-    for number, window in enumerate(scene.states, 1):
-        text, parameters = scene.values_of(window, ("law", "parameter")).values()
-        try:
-            Law(text, parameters).check_divisions(parameters)
-        except ValueError as error:
-            where = f"window {number}, law" if number > 1 else "law"
-            raise ValueError(f"{where} = {shown(text)}: {error}") from None
-
-
-def _check_windows(scene: EyeAndWindows) -> None:
     for number, (before, z) in enumerate(pairwise(scene.places), 2):
         least = before + scene.depth + 0.01
         if z <= least:
@@ -157,6 +150,6 @@ def _check_windows(scene: EyeAndWindows) -> None:
             )
     if any(sheet.layers for sheet in scene.sheets[: len(scene.ideal)]):
         raise ValueError(
-            "window: an ideal one behind one of prisms, but the camera simulates ideal sheets, and its rays meet "
-            "them before all prisms; allowed: ideal windows, and those without sheets, first"
+            "window: prisms or lenses before an ideal sheet, or before an empty window: POV-Ray's camera simulates "
+            "these, in front of all prisms; allowed: prisms and lenses in the last windows"
         )

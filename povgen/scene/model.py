@@ -101,12 +101,12 @@ class EyeAndWindows(ParametersOfSheets):
         return shape_of(self.values_of(self, SHAPE), self.aperture / self.prisms)
 
     @property
-    def states(self) -> "tuple[EyeAndWindows | Window, ...]":
+    def parameter_sets(self) -> "tuple[EyeAndWindows | Window, ...]":
         """What states the parameters of each window, the first one first: the scene, and each further `Window`."""
         return self, *self.window
 
     def values_of(self, window: "EyeAndWindows | Window", names: Iterable[str]) -> dict[str, Any]:
-        """Return parameters of one of `states`, by their names. What it does not state is the first window's."""
+        """Return parameters of one of `parameter_sets`. What it does not state is the first window's."""
         return {name: getattr(self, name) if (own := getattr(window, name)) is None else own for name in names}
 
     @cached_property

@@ -396,7 +396,7 @@ def used_parameters(scene: Scene) -> set[str]:
 
 def profile_files(scene: Scene) -> list[ProfileFile]:
     """Return the files that state profiles of a scene's windows, also those that its sheets do not use."""
-    return [window.profile for window in scene.states if isinstance(window.profile, ProfileFile)]
+    return [window.profile for window in scene.parameter_sets if isinstance(window.profile, ProfileFile)]
 
 
 SCENES = {scene.name: scene for scene in (Chess, Spheres)}

@@ -106,7 +106,7 @@ def _sheets(scene: Scene) -> dict[str, Any]:
     windows = [sheet.layers_at(0.0, k) for k, sheet in enumerate(scene.sheets)]
     none = GlassSheet(0.0, 0.0, Prism(1.0))
     layers = [layer for sheets in windows for layer in (*sheets, none, none)[:2]]
-    prisms = [_prism(scene, window) for window in scene.states]
+    prisms = [_prism(scene, window) for window in scene.parameter_sets]
     profiles = _profiles(scene)
     shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
     # two shapes for each window, one for each sheet: with errors of building they differ
