@@ -244,7 +244,7 @@ export function showNumbers(now) {
   $("value-bare").textContent = now.sheet === "single" ? wideAndHigh(now, bare(now)) : some && Number.isFinite(now.M) ? size(now.M / bare(now)) : now.nearPole ? "∞" : "–";
   const real = some && now.glass;
   const byEquation = (value) => say("numbers.for_prisms", { prisms: prismsText(now.scene.prisms), value });
-  const fine = real && appearance({ ...now, glass: false });
+  const fine = real && appearance({ ...now, prisms: [] });
   $("about-nu").textContent = real ? byEquation(angle(fine.nu)) : state.level === "simple" || now.sheet === "single" ? "" : say("numbers.nu");  // the simple name says it
   $("about-bare").hidden = now.sheet === "single";
   $("about-M").textContent = real ? byEquation(size(fine.M)) : say(`numbers.${now.Z ? "M_series" : now.sheet === "single" ? "M_single" : "M"}`);

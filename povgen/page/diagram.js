@@ -7,7 +7,7 @@ import { $, clamped } from "./data.js";
 import * as equations from "./equations.js";
 import { say } from "./language.js";
 import { angle, fixed, point, size } from "./numbers.js";
-import { curve, dot, heading, line, RATIOS, step, svg, TURNS, vector, words } from "./shapes.js";
+import { branches, curve, dot, heading, line, step, svg, vector, words } from "./shapes.js";
 import { session, state } from "./state.js";
 import { corner, corners, triangle } from "./triangle.js";
 
@@ -153,8 +153,8 @@ function scaleNames(at, { alpha, P }, rem) {
 }
 
 const curves = ({ at }, now) => [
-  curve("of-alpha q q-z1 q-z2", RATIOS.map((r) => at(equations.P(r, now.alpha)))),
-  curve("of-r q q-r q-alpha", TURNS.map((alpha) => at(equations.P(now.r, alpha)))),
+  curve("of-alpha q q-z1 q-z2", branches((log) => at(equations.P(Math.exp(log), now.alpha)), -8, 8, [0])),
+  curve("of-r q q-r q-alpha", branches((alpha) => at(equations.P(now.r, alpha)), -Math.PI, Math.PI)),
 ];
 
 // P of the other objects.

@@ -38,11 +38,6 @@ export function nu(r, alpha) {
 // The magnification of an object, compared with the object in the plane of the sheet: |1 - P|, eq. 9 corrected.
 export const M = (r, alpha) => abs(oneMinusP(r, alpha));
 
-// The point where light from L crosses an infinitely fine sheet on its way to E: eq. 7. L and E must differ.
-export function ideal(L, E, z1, z2, alpha, behind = []) {
-  return plus(E, quotient(scaled(z2, minus(L, E)), depth(z1, z2, alpha, behind)));
-}
-
 // The complex depth Z of an object: L - E = Z s for light with the slope s at the eye. `behind` are the windows behind the
 // first one: the distance from the window before, and the angle. povgen/optics/equations.py
 export function depth(z1, z2, alpha, behind = []) {
@@ -57,39 +52,34 @@ export function depth(z1, z2, alpha, behind = []) {
   return abs(Z) <= 1e-14 * all ? [0, 0] : Z;  // no more than rounding errors
 }
 
-// The same for two sheets of prisms, by the paraxial prediction (docs/sheets.md). `prism` has two lengths of
-// povgen/optics/prism.py: slab_shift and separation.
-export function prisms(L, E, z1, z2, alpha, prism, behind = []) {
-  const { A, B } = depths(z1, z2, alpha, prism, behind);
-  const D = minus(L, E);
-  const place = minus(times(conj(A), D), times(B, conj(D)));
-  return plus(E, scaled(z2 / (abs(A) ** 2 - abs(B) ** 2), place));
+// The point where light from L crosses the first window on its way to E: eq. 7, and for sheets of prisms the paraxial prediction
+// (docs/sheets.md). `prisms` has two lengths of povgen/optics/prism.py for each window, slab_shift and separation; an ideal sheet
+// has none. L and E must differ.
+export function position(L, E, z1, z2, alpha, prisms = [], behind = []) {
+  const { A, B, area } = depths(z1, z2, alpha, prisms, behind), D = minus(L, E);
+  return area === 0 ? [Infinity, 0] : plus(E, scaled(z2 / area, minus(times(conj(A), D), times(B, conj(D)))));
 }
 
-// The angle by which two sheets of prisms show an object rotated, and its magnification: apparent.nu_and_M.
-export function turned(z1, z2, alpha, prism, behind = []) {
-  const { A, B } = depths(z1, z2, alpha, prism, behind);
-  const M = (z2 * Math.max(abs(A), abs(B))) / Math.abs(abs(A) ** 2 - abs(B) ** 2);
-  return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M };
+// The angle by which an object appears rotated, NaN if it has none, and its magnification: apparent.nu_and_M.
+export function turned(z1, z2, alpha, prisms, behind) {
+  const { A, B, area } = depths(z1, z2, alpha, prisms, behind);
+  return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M: area === 0 ? Infinity : (z2 * Math.max(abs(A), abs(B))) / Math.abs(area) };
 }
 
-// `prism` is the shape of the prisms in all windows, or a list with that of each: of an ideal sheet, both lengths are 0.
-export function depths(z1, z2, alpha, prism, behind = []) {
-  const shapes = (Array.isArray(prism) ? prism : [alpha, ...behind].map(() => prism)).map(sheet);
+// L - E = A s + B conj(s) for light with the slope s at the eye; `area` is the determinant of this map.
+function depths(z1, z2, alpha, prisms, behind) {
+  const shapes = [0, ...behind].map((_, k) => sheet(prisms[k]));
   let [B, total] = [scaled(shapes[0].b, turn(alpha)), alpha];
   behind.forEach(([, next], k) => {
     total += next;
     B = plus(B, scaled(shapes[k + 1].b, turn(total)));
   });
-  const [near, far] = [z2 - shapes[0].h, z1 - shapes.at(-1).h];
-  if (!behind.length) return { A: plus([near, 0], scaled(far, turn(-alpha))), B };
   const shorter = behind.map(([distance, next], k) => [distance - shapes[k].h - shapes[k + 1].h, next]);
-  return { A: depth(far, near, alpha, shorter), B };
+  const A = depth(z1 - shapes.at(-1).h, z2 - shapes[0].h, alpha, shorter);
+  return { A, B, area: abs(A) ** 2 - abs(B) ** 2 };
 }
 
-function sheet({ slab_shift, separation }) {
-  return { b: separation - slab_shift, h: (separation + slab_shift) / 2 };
-}
+const sheet = ({ slab_shift = 0, separation = 0 } = {}) => ({ b: separation - slab_shift, h: (separation + slab_shift) / 2 });
 
 // The point where light from L crosses the plane z = 0 if there is a single sheet: `apparent.single`.
 export function mirrored(L, E, z1, z2, prism) {

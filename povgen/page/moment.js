@@ -52,7 +52,7 @@ export function moment() {
   now.windows = windows(scene);
   now.lenses = sheet === "lenticular";
   now.glass = !now.lenses && now.windows.some(hasPrisms);
-  now.prisms = now.windows.map((window) => (now.glass && hasPrisms(window) ? geometry.prism(window.values) : NO_PRISMS));
+  now.prisms = now.windows.map((window) => (now.glass && hasPrisms(window) ? geometry.prism(window.values) : {}));
   now.follow = following(now.windows, state.E, z2);
   now.general = isGeneral();  // whether `apparent.js` follows rays, because the equations are for windows that rotate light
   // the distance from the first window to the second, and its angle: as `behind` in equations.js
@@ -75,7 +75,6 @@ export function moment() {
   now.seen = scene.aperture / now.M;
   return now;
 }
-const NO_PRISMS = { slab_shift: 0, separation: 0 };  // a sheet without thickness
 export const NEAR_POLE = 12;  // a larger M is near the pole
 
 // The point of the plane z = 0 at which the sheets show a point, by default L. Through a sheet beyond the paper, light that
@@ -85,8 +84,7 @@ export function apparentPosition(now, L = now.L, { z1, z2, alpha } = now, near =
   if (imagingPole(now, z1, z2)) return [Infinity, 0];
   if (now.general) return crossing(L, E, z1, z2, now.windows, near);
   if (now.sheet === "single") return equations.mirrored(L, E, z1, z2, prism);
-  if (now.glass) return equations.prisms(L, E, z1, z2, alpha, prisms, behind);
-  return equations.ideal(L, E, z1, z2, alpha, behind);
+  return equations.position(L, E, z1, z2, alpha, prisms, behind);
 }
 
 // The same for the points of an outline.
@@ -111,12 +109,7 @@ export function appearance(now) {
     return { nu: NaN, M: Math.sqrt(Math.abs(determinant([right, up]))), turned: abs(minus(up, times([0, 1], right))) < same ? arg(whole) : NaN };
   }
   if (sheet === "single") return { nu: NaN, M: z2 / (z1 + z2 - prism.slab_shift), height: Math.abs(z2 / (z2 - z1)) };
-  if (now.glass) return equations.turned(z1, z2, alpha, prisms, behind);
-  if (behind.length) {
-    const Z = equations.depth(z1, z2, alpha, behind);
-    return { nu: abs(Z) === 0 ? NaN : -arg(Z), M: z2 / abs(Z) };
-  }
-  return { nu: equations.nu(z2 / z1, alpha), M: equations.M(z2 / z1, alpha) };
+  return equations.turned(z1, z2, alpha, prisms, behind);
 }
 
 // The columns of the Jacobian d(apparent position)/d(L), by central differences.

@@ -11,7 +11,7 @@ import { outlineOf } from "./outline.js";
 import { thing } from "./phrases.js";
 import { povray } from "./player.js";
 import { isAsked } from "./questions.js";
-import { branches, curve, dot, edge, line, step, svg, words } from "./shapes.js";
+import { along, branches, curve, dot, edge, line, step, svg, words } from "./shapes.js";
 import { session, state } from "./state.js";
 import { caption } from "./text.js";
 import { awayP, corner, corners, triangle } from "./triangle.js";
@@ -69,21 +69,13 @@ const PATHS = ["alpha", "r", "z1", "z2"];  // the quantities that the paths show
 
 // The paths of P: alpha constant, while z1 changes, and r constant, while alpha changes. A dark line is under each.
 function paths(now) {
-  const prism = now.sheet === "ideal" ? { slab_shift: 0, separation: 0 } : now.prism;
+  const [prism] = now.prisms;
   const ofAlpha = (log) => onStage(apparentPosition(now, now.L, { ...now, z1: now.z2 * Math.exp(log) }));
   const infinite = equations.infiniteZ1(now.z2, now.alpha, prism).map((z1) => Math.log(z1 / now.z2));
   const ofR = (alpha) => onStage(apparentPosition(now, now.L, { ...now, alpha }));
-  const lines = [
-    curve("of-alpha q q-z1 q-z2", branches(ofAlpha, -8, 8, infinite)),
-    curve("of-r q q-r q-alpha", branches(ofR, -Math.PI, Math.PI, equations.infiniteAlpha(now.z1, now.z2, prism))),
-  ];
-  return lines.filter(() => state.circles || state.level === "expert").flatMap((path) => {
-    const shown = state.circles ? "" : " aid";
-    const halo = path.cloneNode();
-    halo.setAttribute("class", `halo ${path.getAttribute("class")}${shown}`);
-    path.setAttribute("class", path.getAttribute("class") + shown);
-    return [halo, path];
-  });
+  const lines = { "of-alpha q q-z1 q-z2": branches(ofAlpha, -8, 8, infinite), "of-r q q-r q-alpha": branches(ofR, -Math.PI, Math.PI, equations.infiniteAlpha(now.z1, now.z2, prism)) };
+  if (!state.circles && state.level !== "expert") return [];
+  return Object.entries(lines).flatMap(([kind, points]) => ["halo ", ""].map((under) => curve(`${under}${kind}${state.circles ? "" : " aid"}`, points)));
 }
 
 const hasImage = (now) => state.image && state.scene === "chess" && (now.two || now.beyond) && !now.beside;
@@ -91,19 +83,15 @@ const hasImage = (now) => state.image && state.scene === "chess" && (now.two || 
 // The piece's outline where the sheets show it, by the equations. It is also where the piece can be dragged.
 function image(now) {
   if (state.scene !== "chess" || !finite(now.place) || now.M > 3 * NEAR_POLE) return [];
-  const d = outlineOf(state.piece).map((line) => {
-    const points = apparentOutline(now, line.map((d) => plus(now.L, d))).map((place) => onStage(place).map((x) => x.toFixed(1)));
-    return `M${points.map((point) => point.join(" ")).join("L")}Z`;
-  });
-  const kind = `image q q-nu q-M${hasImage(now) ? "" : " hidden"}`;
-  return [svg("path", { class: kind, id: "image", d: d.join("") })];
+  const lines = outlineOf(state.piece).map((line) => apparentOutline(now, line.map((d) => plus(now.L, d))).map(onStage));
+  return [svg("path", { class: `image q q-nu q-M${hasImage(now) ? "" : " hidden"}`, id: "image", d: along(lines, "Z") })];
 }
 
 // The outline that a question asks for, or that a user draws.
 function dashed() {
   if (!session.dashed) return [];
-  const d = outlineOf(state.piece).map((line) => `M${line.map((d) => onStage(dashedPoint(session.dashed, d)).map((x) => x.toFixed(1)).join(" ")).join("L")}Z`);
-  return [svg("path", { class: "halo dashed", d: d.join("") }), svg("path", { class: "dashed", d: d.join("") })];
+  const d = along(outlineOf(state.piece).map((line) => line.map((d) => onStage(dashedPoint(session.dashed, d)))), "Z");
+  return ["halo dashed", "dashed"].map((kind) => svg("path", { class: kind, d }));
 }
 
 // The triangle of figure 5, which is shown while one of its quantities is marked.
@@ -111,13 +99,9 @@ function construction(now, rem, box) {
   const [L, E] = [onStage(now.L), onStage(now.E)];
   const P = finite(now.place) ? onStage(now.place) : null;
   if (abs(minus(L, E)) < 1 || state.level === "simple") return [];
-  const nu = Number.isNaN(now.nu) ? 0 : now.nu;
-  const parts = triangle(L, E, P, { alpha: now.two ? now.alpha : 0, nu }, rem, box);
-  if (!state.position) {
-    const named = corners(L, E, P, rem, box);
-    for (const part of named) part.classList.add("q-alpha", "q-r", "q-nu", "q-M");
-    parts.push(...named);
-  }
+  const named = state.position ? [] : corners(L, E, P, rem, box);
+  for (const part of named) part.classList.add("q-alpha", "q-r", "q-nu", "q-M");
+  const parts = [...triangle(L, E, P, { alpha: now.two ? now.alpha : 0, nu: now.nu || 0 }, rem, box), ...named];
   for (const part of parts) part.classList.add("aid");
   return parts;
 }
@@ -125,8 +109,7 @@ function construction(now, rem, box) {
 function marks(now, rem, box) {
   if (!state.position) return [];
   const [L, E, P] = [onStage(now.L), onStage(now.E), finite(now.place) ? onStage(now.place) : null];
-  const parts = corner("L", L, [E, P], rem);
-  parts.push(...eyeMark(E, L, rem));
+  const parts = [...corner("L", L, [E, P], rem), ...eyeMark(E, rem)];
   const rings = [];
   now.objects.forEach((z1, k) => {
     const there = { ...now, z1, r: now.z2 / z1 };
@@ -137,39 +120,29 @@ function marks(now, rem, box) {
     const out = edge(at, box, 0.6 * rem);
     const kind = `mark q q-P${chosen ? " chosen" : ""}${unsure(there) || now.beside ? " unsure" : ""}`;
     const reach = state.scene === "spheres" ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M || 0) : 0.45 * rem;
-    if (!out) {
-      rings.push(dot(`halo ${kind}`, at, reach), dot(kind, at, reach, chosen ? "predicted" : ""));
-    }
+    if (!out) rings.push(dot(`halo ${kind}`, at, reach), dot(kind, at, reach, chosen ? "predicted" : ""));
     if (chosen) parts.push(...nameOfP(at, out, [L, E], rem, reach));
   });
   return [...rings, ...parts];
 }
 
 // E is an open ring, so that it hides nothing.
-function eyeMark(E, L, rem) {
-  const name = step(E, Math.PI / 2, 1.4 * rem);
-  return [
-    dot("halo ring", E, 0.55 * rem), dot("ring q q-E", E, 0.55 * rem), words("point q q-E", name, "E"),
-  ];
-}
+const eyeMark = (E, rem) => [dot("halo ring", E, 0.55 * rem), dot("ring q q-E", E, 0.55 * rem), words("point q q-E", step(E, Math.PI / 2, 1.4 * rem), "E")];
 
 const nameOfP = (at, out, others, rem, reach) => (out ? awayP(out, rem, rem) : [corner("P", at, others, (reach + 0.9 * rem) / 1.1)[1]]);
 
 // The key, in the picture's upper left corner.
 function key(now, rem, { width, height }) {
   const lines = [];
-  if (state.position) lines.push(["mark", "P"], ["dot", "L"], ["ring", "E"]);
+  if (state.position) lines.push(["mark chosen", "P"], ["dot", "L"], ["ring", "E"]);
   if (state.circles && now.two) lines.push(["of-alpha", "of_alpha"], ["of-r", "of_r"]);
   if (hasImage(now)) lines.push(["image", "image"]);
   if (!lines.length) return [];
   const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
   const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
-  lines.forEach(([kind, name], n) => {
-    /** @type {any} */
-    const middle = [x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem];
-    if (kind.startsWith("of-")) parts.push(line(kind, plus(middle, [-0.7 * rem, 0]), plus(middle, [0.7 * rem, 0])));
-    else parts.push(dot(`${kind}${kind === "mark" ? " chosen" : ""}`, middle, (kind === "dot" ? 0.3 : 0.42) * rem));
-    parts.push(words("keyword", plus(middle, [1.2 * rem, 0]), say(`overlay.${name}`)));
-  });
-  return parts;
+  return [...parts, ...lines.flatMap(([kind, name], n) => {
+    const aside = (ems) => plus([x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem], [ems * rem, 0]);
+    const sign = kind.startsWith("of-") ? line(kind, aside(-0.7), aside(0.7)) : dot(kind, aside(0), (kind === "dot" ? 0.3 : 0.42) * rem);
+    return [sign, words("keyword", aside(1.2), say(`overlay.${name}`))];
+  })];
 }

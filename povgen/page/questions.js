@@ -32,7 +32,7 @@ function solved(f, value, low, high) {
 
 // How far P moves when the eye moves by 1 to the right, tiles.
 function parallax(z1, z2, degrees) {
-  const [a, b] = [0, 1].map((x) => equations.ideal([0, -1], [x, 0], z1, z2, radians(degrees)));
+  const [a, b] = [0, 1].map((x) => equations.position([0, -1], [x, 0], z1, z2, radians(degrees)));
   return b[0] - a[0];
 }
 

@@ -8,6 +8,8 @@ export function svg(tag, attributes, text = "") {
   node.textContent = text;
   return node;
 }
+// The data of a path along lines of points; of closed lines, `end` is "Z".
+export const along = (lines, end = "") => lines.map((points) => `M${points.map((point) => point.map((x) => x.toFixed(1)).join(" ")).join("L")}${end}`).join("");
 export const dot = (kind, [cx, cy], r, id = "") => svg("circle", { class: kind, cx, cy, r, ...(id && { id }) });
 export const line = (kind, [x1, y1], [x2, y2]) => svg("line", { class: kind, x1, y1, x2, y2 });
 // Drawings run from left to right. Text in letters from right to left keeps its own direction inside them.
@@ -18,19 +20,18 @@ export const heading = (from, to) => Math.atan2(from[1] - to[1], to[0] - from[0]
 
 // A curve through points. It is interrupted at null, and at points far outside the drawing.
 export function curve(kind, points) {
-  let d = "";
-  let joined = false;
+  /** @type {number[][][]} */
+  const lines = [[]];
   for (const point of points) {
-    const near = point && finite(point) && abs(point) < 4000;
-    if (near) d += `${joined ? "L" : "M"}${point.map((x) => x.toFixed(1)).join(" ")}`;
-    joined = near;
+    if (point && finite(point) && abs(point) < 4000) lines.at(-1).push(point);
+    else if (lines.at(-1).length) lines.push([]);
   }
-  return svg("path", { class: kind, d });
+  return svg("path", { class: kind, d: along(lines.filter(({ length }) => length)) });
 }
 
 // Points of a curve between two parameters. Where the curve may pass through infinity it is interrupted, and the points
 // near there are closer together.
-export function branches(place, first, last, infinite) {
+export function branches(place, first, last, infinite = []) {
   const within = infinite.filter((at) => first < at && at < last).sort((a, b) => a - b);
   const ends = [first, ...within, last];
   return within.concat(last).flatMap((end, n) => {
@@ -72,10 +73,3 @@ export function edge(place, { width, height }, margin) {
 const SHARES = Array.from({ length: 301 }, (_, n) => n / 300);
 for (let near = 1e-8; near < 0.5; near *= 1.04) SHARES.push(near, 1 - near);
 SHARES.sort((a, b) => a - b);
-
-// Values of r along curves of constant alpha, and of alpha along curves of constant r. They are dense near the pole.
-export const RATIOS = Array.from({ length: 361 }, (_, n) => Math.exp(8 * (n / 180 - 1) ** 3));
-export const TURNS = Array.from({ length: 361 }, (_, n) => {
-  const part = n / 180 - 1;
-  return Math.PI * part * (2 - Math.abs(part));
-});

@@ -15,7 +15,7 @@ import { angle, brief, tilesText } from "./numbers.js";
 import { outlineOf } from "./outline.js";
 import { imagePlace, lightShares, thing } from "./phrases.js";
 import { at, bundle, meeting } from "./rays.js";
-import { arrowhead, dot, heading, line, svg, words } from "./shapes.js";
+import { along, arrowhead, dot, heading, line, svg, words } from "./shapes.js";
 import { FLOOR, session, state } from "./state.js";
 
 const space = $("space"), box = $("space-box"), stage = $("stage");
@@ -111,7 +111,7 @@ function scene(now) {
   ];
   const field = state.light === "field" && hasField(now) ? perpendicularLoop(now) : null;
   if (field) extent.push(...field.points.map((point) => room(point)));
-  return { extent, squeeze, says: field ? fieldSays(field) : says(now, rays, image), parts: (view, rem) => [
+  return { extent, squeeze, says: says(now, rays, image, field), parts: (view, rem) => [
     ...floor(now, view, ground),
     ...dimensions(now, view, ground, rem),
     ...[...windows].reverse().flatMap((window) => windowParts(now, window, view)),
@@ -124,8 +124,7 @@ function scene(now) {
 }
 
 const corners = (half, z) => [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
-const outline = (points, to) => `M${points.map((point) => to(point).map((x) => x.toFixed(1)).join(" ")).join("L")}Z`;
-const face = (kind, points, { to }) => svg("path", { class: kind, d: outline(points, to) });
+const face = (kind, points, { to }) => svg("path", { class: kind, d: along([points.map(to)], "Z") });
 
 function floor({ z1, z2, windows }, { to }, ground) {
   const end = windows.at(-1).z + z1, parts = [], step = Math.max(1, Math.ceil((end + z2) / 30));
@@ -137,7 +136,7 @@ function floor({ z1, z2, windows }, { to }, ground) {
 // A frame and its sheets. The frame is as deep as in the picture.
 function windowParts(now, window, view) {
   const { scene } = now, half = scene.aperture / 2, depth = geometry.depth(scene) / 2, outer = half + scene.rim;
-  const ring = (z) => svg("path", { class: "frame", "fill-rule": "evenodd", d: outline(corners(outer, z), view.to) + outline(corners(half, z), view.to) });
+  const ring = (z) => svg("path", { class: "frame", "fill-rule": "evenodd", d: along([outer, half].map((side) => corners(side, z).map(view.to)), "Z") });
   const edges = corners(outer, window.z - depth).map((corner, n) => line("frame", view.to(corner), view.to(corners(outer, window.z + depth)[n])));
   const panes = hasPrisms(window)
     ? geometry.sheets(window).toReversed().flatMap(({ angle, centre }) => pane("pane", window.z + centre, half, angle, Math.min(window.values.prisms, 15), view))
@@ -171,8 +170,8 @@ function objectParts({ L, z1, windows, objects, radii }, view) {
   const [low, high] = [FLOOR, L[1]].map((y) => [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [L[0] + a * half, y, z + b * half]));
   const pedestal = [0, 1, 2, 3].map((n) => face("pedestal", [low[n], low[(n + 1) % 4], high[(n + 1) % 4], high[n]], view));
   // the piece as it looks from everywhere: its outline, turned to the viewer
-  const lines = outlineOf(state.piece).map((points) => outline(points.map(([x, y]) => [L[0] + x * view.across[0], L[1] + y, z + x * view.across[2]]), view.to));
-  return [...pedestal, svg("path", { class: "object q q-L", d: lines.join("") })];
+  const lines = outlineOf(state.piece).map((points) => points.map(([x, y]) => view.to([L[0] + x * view.across[0], L[1] + y, z + x * view.across[2]])));
+  return [...pedestal, svg("path", { class: "object q q-L", d: along(lines, "Z") })];
 }
 
 // Light runs from the object to the eye: the rays that begin at the eye are drawn against their direction.
@@ -208,14 +207,7 @@ function fieldParts(now, { points, gap }, { to }, rem) {
   return [...rays, path("loop", points, to), ...(Math.abs(gap) > 0.005 ? [path("gap", [points[0], points.at(-1)], to)] : [])];
 }
 
-function fieldSays({ gap }) {
-  return say(Math.abs(gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(gap)) });
-}
-
-function path(kind, points, to) {
-  const d = points.map((point) => to(point).map((x) => clamped(x, [-1e5, 1e5]).toFixed(1)).join(" "));
-  return svg("path", { class: kind, d: `M${d.join("L")}` });
-}
+const path = (kind, points, to) => svg("path", { class: kind, d: along([points.map((point) => to(point).map((x) => clamped(x, [-1e5, 1e5])))]) });
 
 function eyeParts(eye, { to }, rem) {
   const [x, y] = to(eye), [wide, high] = [0.95 * rem, 0.75 * rem];
@@ -247,12 +239,13 @@ function dimensions({ z1, z2, d, windows }, { to, low }, ground, rem) {
 }
 
 // What the drawing shows, in words.
-function says(now, rays, image) {
+function says(now, rays, image, field) {
   const { windows, z2, E } = now, count = (kind) => rays.filter((ray) => ray.kind === kind).length;
   const paths = [];
   if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("back") + count("lost") }));
   if (count("beside")) paths.push(say("light.beside", { count: count("beside"), number: count("beside") }));
   if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
+  if (field) return say(Math.abs(field.gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(field.gap)) });
   if (state.light === "field") return say("light.no_field");
   if (state.light === "aim") return say("light.aim", { what: seenBy(now, rays[0]) });
   if (state.light === "eye") return [say("light.eye", { number: rays.length }), ...paths].join(" ");

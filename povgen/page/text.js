@@ -1,12 +1,12 @@
 // What the page says of what is seen, in sentences.
 
 import { kinds, usesAlpha } from "./beyond.js";
-import { seenThrough } from "./beyondText.js";
+import { imageSentence, work } from "./beyondText.js";
 import { finite } from "./complex.js";
 import { contents } from "./contents.js";
 import { $, data } from "./data.js";
 import { entry, forms, listed, say } from "./language.js";
-import { frameDepth, NEAR_POLE, outside, unsure } from "./moment.js";
+import { frameDepth, outside, unsure } from "./moment.js";
 import { angle, brief, briefly, prismsText, quantity, SYMBOL, tilesText, timesText } from "./numbers.js";
 import { absent, bare, doubt, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
@@ -28,21 +28,23 @@ export function heard(now) {
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });
 
-// Of all that is seen, the object.
-export function seen(now) {
-  if (now.beyond) return seenThrough(now);
-  const { sheet, M, nu, height, z1, z2 } = now;
-  const times = (size) => timesText(size / bare(now));
-  if (sheet === "single" && !Number.isFinite(height)) return say("seen.single_pole", { times: times(M) });
-  if (now.nearPole) return poleSentence(now);
-  if (!contents(now).has("thing")) return absent(now);
-  if (sheet === "none") return say("seen.free", { thing: thing(), times: timesText(M) });
-  if (sheet === "single") {
-    return say(z1 > z2 ? "seen.single_upside_down" : "seen.single", { thing: thing(), width: times(M), height: times(height) });
-  }
-  if (Number.isNaN(nu)) return say("seen.torn", { thing: thing() });
-  const values = { thing: thingAt(z1), turned: turnedBy(nu, thing()), times: times(M) };
-  return say(state.scene === "spheres" ? "seen.turned_about_eye" : "seen.turned", values);
+// Of all that is seen, the object; before it, what sheets beyond the paper do.
+export const seen = (now) => [...(now.general ? [work(now)] : []), ...objectSeen(now)].join(" ");
+
+function objectSeen(now) {
+  const { M, nu, height, z1, z2, general, beyond, turned = nu } = now, shown = contents(now).has("thing");
+  const times = (size) => timesText(size / bare(now)), single = now.sheet === "single" && !beyond;
+  if (shown && kinds().every((sheet) => sheet === "none")) return [say(beyond ? "seen.free_series" : "seen.free", { thing: thing(), times: timesText(M) })];
+  if (single && !Number.isFinite(height)) return [say("seen.single_pole", { times: times(M) })];
+  if (now.beside) return [say("seen.beside", { thing: thing() })];
+  if (now.nearPole) return [poleSentence(now)];
+  if (!shown) return [absent(now)];
+  if (single) return [say(z1 > z2 ? "seen.single_upside_down" : "seen.single", { thing: thing(), width: times(M), height: times(height) })];
+  if (general && !(M > 0 && Number.isFinite(M))) return [];
+  if (general && !Number.isFinite(turned)) return [say("seen.area", { thing: thingAt(z1), times: timesText((M / bare(now)) ** 2) })];  // it can be distorted
+  if (Number.isNaN(nu) && !general) return [say("seen.torn", { thing: thing() })];
+  const sentence = `seen.${now.Z ? "through_both" : "turned"}${state.scene === "spheres" && !general ? "_about_eye" : ""}`;
+  return [say(sentence, { thing: thingAt(z1), turned: turnedBy(turned, thing()), times: times(M) }), ...(now.Z ? [imageSentence(now)] : [])];
 }
 
 // Which values were not allowed.
@@ -71,7 +73,7 @@ function remarks(now) {
     found.push(say(state.scene === "spheres" ? "seen.middle_outside" : "seen.foot_outside", { thing: thing() }));
   }
   found.push(...lightWarnings(now));
-  if (sheet !== "single" && now.glass && unsure(now) && (now.M > NEAR_POLE || !now.beyond) && !now.beside) found.push(doubt(now));
+  if ((sheet !== "single" || now.beyond) && now.glass && unsure(now) && !now.beside) found.push(doubt(now));
   return found;
 }
 
