@@ -217,39 +217,20 @@ function boxes(points) {
   return found;
 }
 
-// Slopes from which to search: in each cell of the net that may show L, interpolated between its corners, or the corner whose ray
-// passes L most closely, if no light passes one of them; and where the net's rays pass L more closely than their neighbours.
+// Slopes from which to search: of each cell of the net that may show L, the corner whose ray passes L most closely; and where the
+// net's rays pass L more closely than their neighbours.
 function starts({ xs, ys, shown, boxes }, L) {
-  const found = [];
-  for (const { j, k, low, high } of boxes) {
-    if (!(low[0] <= L[0] && L[0] <= high[0] && low[1] <= L[1] && L[1] <= high[1])) continue;
-    const corners = [[k, j], [k + 1, j], [k, j + 1], [k + 1, j + 1]];
-    const off = corners.map(([k, j]) => shown[j][k] && minus(shown[j][k], L));
-    if (off.every(Boolean)) {
-      const a = scaled(0.5, minus(plus(off[1], off[3]), plus(off[0], off[2]))), b = scaled(0.5, minus(plus(off[2], off[3]), plus(off[0], off[1])));
-      const middle = scaled(-0.25, plus(plus(off[0], off[1]), plus(off[2], off[3])));
-      const [p, q] = resolved(middle, [a, b]).map((part) => Math.min(0.5, Math.max(-0.5, part)) + 0.5);
-      if (finite([p, q])) {
-        found.push([xs[k] + p * (xs[k + 1] - xs[k]), ys[j] + q * (ys[j + 1] - ys[j])]);
-        continue;
-      }
-    }
-    const [column, row] = corners.reduce((best, corner, n) => (off[n] && !(abs(off[n]) >= best.off) ? { off: abs(off[n]), corner } : best), { off: Infinity, corner: [k, j] }).corner;
-    found.push([xs[column], ys[row]]);
-  }
-  const off = (j, k) => (shown[j]?.[k] ? abs(minus(shown[j][k], L)) : Infinity);
-  for (let j = 0; j < ys.length; j++) {
-    for (let k = 0; k < xs.length; k++) {
-      let lowest = Boolean(shown[j][k]);
-      for (let v = j - 1; lowest && v <= j + 1; v++) for (let u = k - 1; u <= k + 1; u++) if (off(v, u) < off(j, k)) lowest = false;
-      if (lowest) found.push([xs[k], ys[j]]);
-    }
-  }
-  return found;
+  const off = shown.map((row) => row.map((point) => (point ? abs(minus(point, L)) : Infinity)));
+  const least = (places) => places.reduce((best, place) => (off[place[0]]?.[place[1]] < off[best[0]][best[1]] ? place : best));
+  const square = (j, k, steps) => steps.flatMap((u) => steps.map((v) => [j + u, k + v]));
+  const cells = boxes.filter(({ low, high }) => [0, 1].every((axis) => low[axis] <= L[axis] && L[axis] <= high[axis]));
+  const lowest = ys.flatMap((_, j) => xs.map((_, k) => [j, k]))
+    .filter(([j, k]) => Number.isFinite(off[j][k]) && square(j, k, [-1, 0, 1]).every(([v, u]) => !(off[v]?.[u] < off[j][k])));
+  return [...cells.map(({ j, k }) => least(square(j, k, [0, 1]))), ...lowest].map(([j, k]) => [xs[k], ys[j]]);
 }
 
 // The slope near a start whose ray passes L at the least distance, and this distance: Levenberg's and Marquardt's method.
-function closest(start, L, at) {
+export function closest(start, L, at) {
   const miss = (s) => {
     const shown = at(s);
     return shown ? minus(shown, L) : [NaN, NaN];

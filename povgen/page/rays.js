@@ -4,7 +4,8 @@
 import * as geometry from "../liveview/geometry.js";
 import { bending, hasPrisms } from "../liveview/sheets.js";
 import { passage } from "./trace.js";
-import { abs, finite, minus, plus, resolved, scaled } from "./complex.js";
+import { closest } from "./apparent.js";
+import { finite, minus, plus, scaled } from "./complex.js";
 import { data, pick } from "./data.js";
 import { state } from "./state.js";
 
@@ -52,20 +53,13 @@ function bendingOf(window) {
   return laws.get(window);
 }
 
-// The slope before an ideal sheet of an eye's ray that has this slope behind it: Newton's method, from several starts. null if none
-// is found. Many laws are linear in the slope. Others, such as that of refraction, are nearly linear in its sine.
+// The slope before an ideal sheet of an eye's ray that has this slope behind it, from several starts; null if none is found. Many
+// laws, such as that of refraction, are nearly linear in the slope's sine.
 function unbent(bend, slope, place) {
-  const h = 1e-6, same = (s) => s, sine = (s) => scaled(1 / Math.hypot(1, ...s), s);
-  for (const [start, of] of [[slope, same], ...[slope, ...STARTS].map((each) => [each, sine])]) {
-    let s = start;
-    const target = of(slope);
-    for (let n = 0; n < 15 && finite(s); n++) {
-      const bent = [[0, 0], [h, 0], [0, h]].map((step) => bend(plus(s, step), place));
-      if (!bent.every(Boolean)) break;
-      const shown = bent.map(of), off = minus(shown[0], target);
-      if (abs(off) < 1e-9 * (1 + abs(target))) return s;
-      s = minus(s, resolved(off, [1, 2].map((k) => scaled(1 / h, minus(shown[k], shown[0])))));
-    }
+  const sine = (s) => s && scaled(1 / Math.hypot(1, ...s), s);
+  for (const start of [slope, ...STARTS]) {
+    const { s, off } = closest(start, sine(slope), (each) => sine(bend(each, place)));
+    if (off < 1e-9) return s;
   }
   return null;
 }
