@@ -1,7 +1,7 @@
 // The panel of the questions: a class predicts, and the page then shows the answer.
 
 import { SWITCHES } from "./address.js";
-import { $, pick, write } from "./data.js";
+import { $, element, pick, write } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./dashedOutline.js";
@@ -133,8 +133,7 @@ export function drawQuestion() {
     input.parentNode.classList.toggle("right", revealed.has(n) && input.type === "radio" && Number(input.value) === question.answer());
   }
   kept = null;
-  const said = document.createElement("p");
-  said.append(...(revealed.has(n) ? answerText(question) : asksForNumber ? [say("asking.number_first")] : []));
+  const said = element("p", {}, ...(revealed.has(n) ? answerText(question) : asksForNumber ? [say("asking.number_first")] : []));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
   write("drawn-answer", revealed.has(n) && session.drawn && !session.gliding ? compared(session.drawn) : "");
   $("previous").disabled = n === offered().at(0);
@@ -163,34 +162,21 @@ function moveDiagram() {
 
 for (const id of ["draw-turn", "draw-size"]) $(id).addEventListener("input", refresh);
 
-function choiceInput(text, k) {
-  const label = document.createElement("label");
-  const input = Object.assign(document.createElement("input"), { type: "radio", name: "prediction", value: k });
-  label.append(input, text);
-  return label;
-}
-
-/** @type {(question: any) => HTMLElement} */
-function numberInput({ name, tolerance }) {
-  const label = document.createElement("label");
-  const input = Object.assign(document.createElement("input"), { className: "field", autocomplete: "off", name: "prediction" });
-  label.append(input, ` ${say("asking.within", { unit: say(`questions.${name}.unit`), tolerance: printed(String(tolerance)) })}`);
-  return label;
-}
-
-const strong = (textContent) => Object.assign(document.createElement("strong"), { textContent });
+const choiceInput = (text, value) => element("label", {}, element("input", { type: "radio", name: "prediction", value }), text);
+const numberInput = ({ name, tolerance }) => element("label", {}, element("input", { className: "field", autocomplete: "off", name: "prediction" }),
+  ` ${say("asking.within", { unit: say(`questions.${name}.unit`), tolerance: printed(String(tolerance)) })}`);
 
 // Whether the class is right, the answer, and why.
 function answerText(question) {
   const given = revealed.get(QUESTIONS.indexOf(question));
-  if (question.match) return [strong(say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
+  if (question.match) return [element("strong", {}, say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
   const right = question.answer();
   const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
   const isRight = choices(question) ? Number(given) === right : Math.abs(readNumber(given) - right) <= near;
   const number = question.tolerance && printed(String(Number(right.toFixed(Math.max(1, -Math.floor(Math.log10(question.tolerance)))))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
   const said = say(`asking.${given ? (isRight ? "yes" : "no") : "answer"}`, { answer });
-  return [strong(said[0].toUpperCase() + said.slice(1)), ` ${why(question)}`];
+  return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ` ${why(question)}`];
 }
 
 $("question-form").addEventListener("submit", (event) => {

@@ -3,7 +3,7 @@
 
 import { LiveView } from "../liveview/view.js";
 import { $, data } from "./data.js";
-import { refresh } from "./frame.js";
+import { on } from "./frame.js";
 import { percent, say } from "./language.js";
 import { otherScene } from "./moment.js";
 import { ofKind } from "./phrases.js";
@@ -46,11 +46,5 @@ export function drawOther(pen, { width, height }) {
   pen.drawImage(canvas, session.curtain * canvas.width, 0, (1 - session.curtain) * canvas.width, canvas.height, left, 0, width - left, height);
 }
 
-$("compare").addEventListener("change", () => {
-  change({ compare: $("compare").value });
-  refresh();
-});
-$("curtain").addEventListener("input", () => {
-  session.curtain = $("curtain").value / 100;
-  refresh();
-});
+on("compare", "change", () => change({ compare: $("compare").value }));
+on("curtain", "input", () => (session.curtain = $("curtain").value / 100));

@@ -4,8 +4,8 @@ import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, replace } from "./beyond.js";
 import { abs, finite, minus } from "./complex.js";
-import { $, clamped, data } from "./data.js";
-import { refresh } from "./frame.js";
+import { $, clamped, data, element } from "./data.js";
+import { on, refresh } from "./frame.js";
 import { choose, entry, fill, LANGUAGES, localised, marked, say, spoken } from "./language.js";
 import { appearance, moment } from "./moment.js";
 import { angle, brief, placeText, point, prismsText, quantity, readNumber, size, unitText } from "./numbers.js";
@@ -87,19 +87,15 @@ function numberField(input, step, values) {
     if (refused) input.setAttribute("aria-describedby", "sentence");
     else input.removeAttribute("aria-describedby");
   };
-  input.addEventListener("change", () => {
-    session.typing = null;
-    refuse(false);
-    if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
-    refresh();
-  });
-  // a text that is again what it was is no change: then no event `change` comes
-  input.addEventListener("blur", () => {
-    if (session.typing !== input) return;
-    session.typing = null;
-    refuse(false);
-    refresh();
-  });
+  for (const end of ["change", "blur"]) {  // a text that is again what it was is no change
+    input.addEventListener(end, () => {
+      if (session.typing !== input) return;
+      session.typing = null;
+      refuse(false);
+      if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
+      refresh();
+    });
+  }
   input.addEventListener("keydown", (event) => {
     const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
     const x = readNumber(input.value) + sign * step;
@@ -127,16 +123,14 @@ for (const input of document.querySelectorAll(".choice input")) {
   });
 }
 for (const name of data.pieces) $("piece").append(new Option("", name));
-$("beyond").addEventListener("change", () => {
+on("beyond", "change", () => {
   player.reset();
   chooseBeyond($("beyond").value);
-  refresh();
 });
 for (const name of ["sheet", "sheet2"]) {
-  $(`of-${name}`).addEventListener("change", (event) => {
+  on(`of-${name}`, "change", ({ target }) => {
     player.pause();
-    chooseSheet(name, event.target.value);
-    refresh();
+    chooseSheet(name, target.value);
   });
 }
 $("level").addEventListener("change", () => given({ level: $("level").checked ? "expert" : "simple" }));
@@ -145,19 +139,13 @@ $("undo").addEventListener("click", () => {
   $("scrub").focus();  // the button Undo is gone
 });
 for (const name of ["piece", "light"]) $(name).addEventListener("change", () => given({ [name]: $(name).value }));
-for (const name of SWITCHES) {
-  $(`show-${name}`).addEventListener("change", (event) => {
-    state[name] = event.target.checked;
-    refresh();
-  });
-}
+for (const name of SWITCHES) on(`show-${name}`, "change", ({ target }) => (state[name] = target.checked));
 
 const named = (name) => data.languages[name].name;
-for (const name of [...LANGUAGES].sort((a, b) => named(a).localeCompare(named(b), "en"))) $("language").append(Object.assign(new Option(named(name), name), { lang: name }));
-$("language").addEventListener("change", () => {
+for (const name of [...LANGUAGES].sort((a, b) => named(a).localeCompare(named(b), "en"))) $("language").append(element("option", { value: name, lang: name }, named(name)));
+on("language", "change", () => {
   choose($("language").value, true);
   session.refusals = [];
-  refresh();
 });
 
 // Write all sentences that do not depend on the state: the language has changed.
@@ -165,7 +153,7 @@ export function fillPage() {
   fill();
   $("language").value = spoken.language;
   for (const part of document.querySelectorAll("[data-unit]")) part.textContent = unitText(part.dataset.unit);
-  $("measure-help").replaceChildren(...entry("measure.help").map((textContent) => Object.assign(document.createElement("li"), { textContent })));
+  $("measure-help").replaceChildren(...entry("measure.help").map((text) => element("li", {}, text)));
   for (const option of $("piece").options) option.textContent = pieceName(option.value);
 }
 
@@ -185,10 +173,8 @@ export function showInputs(now) {
   for (const name of ["sheet", "sheet2"]) $(`of-${name}`).value = state[name];
   for (const option of $("of-sheet2").options) option.hidden = option.disabled = state.sheet === "detailed" && !BEHIND_PRISMS.includes(option.value);
   const beyond = chosenBeyond(), simple = state.level === "simple";
-  document.body.classList.toggle("simple", simple);
-  document.body.classList.toggle("measuring", session.measuring && state.question < 0);
-  document.body.classList.toggle("asking", state.question >= 0);
-  document.body.classList.toggle("compact", !simple || session.measuring || state.question >= 0);
+  const asking = state.question >= 0, measuring = session.measuring && !asking;
+  for (const [name, holds] of Object.entries({ simple, asking, measuring, compact: !simple || asking || measuring })) document.body.classList.toggle(name, holds);
   $("level").checked = !simple;
   $("row-prisms").hidden = (now.beyond || simple) && !now.glass;
   $("beyond-choice").hidden = simple && beyond === "none";

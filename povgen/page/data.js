@@ -4,9 +4,15 @@
 export const $ = (id) => document.getElementById(id);
 export const data = JSON.parse($("data").textContent);
 
+/** An element with properties, and with what it contains.
+ * @type {(tag: string, properties?: object, ...children: (Node | string)[]) => any} */
+export function element(tag, properties, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
 export const pick = (values, ...names) => Object.fromEntries(names.map((name) => [name, values[name]]));
 export const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
-
 
 // Write a text where it has changed: of a live region, a screen reader speaks all that is written.
 export function write(id, text) {

@@ -1,5 +1,7 @@
 // A drawing of the page: at once, or before the browser shows its next frame.
 
+import { $ } from "./data.js";
+
 let asked = false;
 let action = () => {};
 
@@ -19,5 +21,13 @@ export function refresh() {
   asked = true;
   requestAnimationFrame(() => {
     if (asked) draw();
+  });
+}
+
+// Do something at an event of the element with this id, then draw.
+export function on(id, event, action) {
+  $(id).addEventListener(event, (given) => {
+    action(given);
+    refresh();
   });
 }

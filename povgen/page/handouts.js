@@ -2,7 +2,7 @@
 
 import { toHash } from "./address.js";
 import { drawOther } from "./compare.js";
-import { $ } from "./data.js";
+import { $, element } from "./data.js";
 import { say } from "./language.js";
 import { savedAs, view } from "./picture.js";
 import { qr } from "./qr.js";
@@ -27,9 +27,7 @@ $("copy-link").addEventListener("click", () => copy(link()));
 $("copy-embed").addEventListener("click", () => {
   const hidden = [...document.querySelectorAll("[name=hide]:checked")].map(({ value }) => value);
   const address = link().replace(/(\?[^#]*)?(#|$)/, `?embed${hidden.length ? `&hide=${hidden.join(",")}` : ""}$2`);
-  const frame = document.createElement("iframe");
-  for (const [name, value] of Object.entries({ src: address, width: 800, height: 640, title: say("page.title"), allow: "fullscreen" })) frame.setAttribute(name, value);
-  copy(frame.outerHTML);
+  copy(element("iframe", { src: address, width: 800, height: 640, title: say("page.title"), allow: "fullscreen" }).outerHTML);
 });
 
 // A QR code leads somewhere only if the page has an address that others can open. Return whether there is one.
@@ -97,8 +95,7 @@ function showRecording() {
 const printed = $("print-picture");
 addEventListener("beforeprint", () => {
   if (!view.gl || view.gl.isContextLost()) return;
-  const { canvas } = view, { width, height } = canvas, copy = Object.assign(document.createElement("canvas"), { width, height });
-  const pen = copy.getContext("2d");
+  const { canvas } = view, { width, height } = canvas, copy = element("canvas", { width, height }), pen = copy.getContext("2d");
   view.context.repaint();
   pen.drawImage(canvas, 0, 0);
   drawOther(pen, copy);

@@ -4,8 +4,8 @@
 import { radians } from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
-import { $, clamped, write } from "./data.js";
-import { refresh } from "./frame.js";
+import { $, clamped, element, write } from "./data.js";
+import { on, refresh } from "./frame.js";
 import { localised, say, separator } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
 import { angle, brief, fixed, printed, readNumber, SYMBOL, tilesText } from "./numbers.js";
@@ -105,40 +105,28 @@ $("write-down").addEventListener("click", () => {
   $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, M: row.M });
   drawRows();
 });
-$("put-on").addEventListener("click", () => {
+on("put-on", "click", () => {
   const now = moment(), tall = height() || now.radii[now.objects.indexOf(now.z1)];
   lay(now, minus(apparentPosition(now, plus(now.L, [0, tall])), now.place));
-  refresh();
 });
 
 export function drawRows() {
   session.measured = rows.length > 0;
   $("rows").replaceChildren(...rows.map((row, n) => {
-    const tr = document.createElement("tr");
-    for (const name of QUANTITIES) {
-      const td = tr.insertCell();
-      if (name !== "nu" && name !== "M") {
-        td.textContent = printed(String(Number(row[name].toPrecision(4))));
-        continue;
-      }
-      const value = localised(row[name].replace(",", "."));
-      const field = Object.assign(document.createElement("input"), { className: "field", value, autocomplete: "off" });
-      field.setAttribute("aria-label", say("measure.field", { name: name === "nu" ? "ν" : "M", n: n + 1 }));
-      field.addEventListener("input", () => {
-        row[name] = field.value;
+    const field = (name, symbol) => {
+      const value = localised(row[name].replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
+      return element("input", { className: "field", value, autocomplete: "off", ariaLabel, oninput: ({ target }) => {
+        row[name] = target.value;
         refresh();
-      });
-      td.append(field);
-    }
-    const remove = Object.assign(document.createElement("button"), { type: "button", textContent: "×", className: "what" });
-    remove.setAttribute("aria-label", say("measure.remove", { n: n + 1 }));
-    remove.addEventListener("click", () => {
+      } });
+    };
+    const remove = element("button", { type: "button", className: "what", ariaLabel: say("measure.remove", { n: n + 1 }), onclick: () => {
       rows.splice(n, 1);
       drawRows();
       $("write-down").focus();
-    });
-    tr.insertCell().append(remove);
-    return tr;
+    } }, "×");
+    const numbers = ["alpha", "z1", "z2"].map((name) => printed(String(Number(row[name].toPrecision(4)))));
+    return element("tr", {}, ...[...numbers, field("nu", "ν"), field("M", "M"), remove].map((content) => element("td", {}, content)));
   }));
   $("save-csv").disabled = !rows.length;
   refresh();
@@ -154,10 +142,7 @@ export function csv() {
 }
 
 $("save-csv").addEventListener("click", () => {
-  const link = document.createElement("a");
-  link.href = `data:text/csv;charset=utf-8,${encodeURIComponent(csv())}`;
-  link.download = "povgen.csv";
-  link.click();
+  element("a", { href: `data:text/csv;charset=utf-8,${encodeURIComponent(csv())}`, download: "povgen.csv" }).click();
 });
 
 // ---- The measured numbers over the curves ----

@@ -6,8 +6,8 @@ import { toHash } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { replace } from "./beyond.js";
 import { drawOther, otherView } from "./compare.js";
-import { $, data } from "./data.js";
-import { refresh } from "./frame.js";
+import { $, data, element } from "./data.js";
+import { on, refresh } from "./frame.js";
 import { say } from "./language.js";
 import { moment, sceneValues } from "./moment.js";
 import { outlinesOf } from "./outline.js";
@@ -56,7 +56,7 @@ async function drawable() {
 // Save what an address holds as a file, whose name has the numbers.
 export function savedAs(href, ending) {
   const numbers = toHash().slice(1).replace(/&?(show|diagram|question|own|light|level|language)=[^&]*/g, "").replaceAll("&", " ");
-  Object.assign(document.createElement("a"), { href, download: `povgen ${numbers}.${ending}` }).click();
+  element("a", { href, download: `povgen ${numbers}.${ending}` }).click();
 }
 
 // The overlay with its caption, as an image of the canvas's size.
@@ -81,11 +81,10 @@ $("save").addEventListener("click", savePicture);
 $("full-screen").addEventListener("click", () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
 $("full-screen").hidden = !document.fullscreenEnabled;
 document.addEventListener("fullscreenchange", () => $("full-screen").setAttribute("aria-pressed", Boolean(document.fullscreenElement)));
-$("reset").addEventListener("click", () => {
+on("reset", "click", () => {
   openQuestion(-1);  // Undo brings back what has been explored
   player.pause();
   [session.explored, session.own] = [null, {}];
   replace(OPENING);
   player.reset();
-  refresh();
 });

@@ -1,7 +1,7 @@
 // The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
 import { chosenBeyond, replace, usesAlpha } from "./beyond.js";
-import { $, clamped, data, write } from "./data.js";
+import { $, clamped, data, element, write } from "./data.js";
 import { refresh } from "./frame.js";
 import { say } from "./language.js";
 import { brief, quantity, SYMBOL } from "./numbers.js";
@@ -125,11 +125,8 @@ export const player = {
 };
 
 for (const [n, { name, scene, parameter }] of data.presets.entries()) {
-  const button = document.createElement("button");
-  Object.assign(button, { type: "button", value: n, id: `preset-${name}`, });
-  button.dataset.say = scene === "chess" ? "controls.vary" : "controls.vary_spheres";
-  button.dataset.symbol = SYMBOL[parameter];
-  button.addEventListener("click", () => player.choose(data.presets[n]));
+  const button = element("button", { type: "button", value: n, id: `preset-${name}`, onclick: () => player.choose(data.presets[n]) });
+  Object.assign(button.dataset, { say: scene === "chess" ? "controls.vary" : "controls.vary_spheres", symbol: SYMBOL[parameter] });
   $("presets").append(button);
 }
 // While the page is hidden no frames are drawn: the movie then goes on where it was.

@@ -5,7 +5,7 @@ import * as geometry from "../liveview/geometry.js";
 import { bending, hasPrisms } from "../liveview/sheets.js";
 import { passage } from "./trace.js";
 import { closest } from "./apparent.js";
-import { finite, minus, plus, scaled } from "./complex.js";
+import { finite, plus, scaled } from "./complex.js";
 import { data, pick } from "./data.js";
 import { state } from "./state.js";
 

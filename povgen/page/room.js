@@ -1,7 +1,7 @@
 // The user's own room in the place of the mountains: a photo, or the camera's picture. Nothing leaves the page.
 
 import { setOtherSky } from "./compare.js";
-import { $ } from "./data.js";
+import { $, element } from "./data.js";
 import { say } from "./language.js";
 import { view } from "./picture.js";
 
@@ -12,8 +12,7 @@ let stream = null;
 
 // Draw a picture on one of all directions. What is plain is in front, behind the window; the rest repeats its border, softly.
 function around(source, width, height, whole) {
-  const canvas = Object.assign(document.createElement("canvas"), { width: WIDTH, height: WIDTH / 2 });
-  const pen = canvas.getContext("2d");
+  const canvas = element("canvas", { width: WIDTH, height: WIDTH / 2 }), pen = canvas.getContext("2d");
   if (whole) {
     pen.drawImage(source, 0, 0, WIDTH, WIDTH / 2);
     return canvas;

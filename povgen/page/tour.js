@@ -5,7 +5,7 @@ import { radians } from "../liveview/geometry.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
 import { $ } from "./data.js";
-import { refresh } from "./frame.js";
+import { on, refresh } from "./frame.js";
 import { entry, say } from "./language.js";
 import { player, reducedMotion } from "./player.js";
 import { change, OPENING, session, START, state } from "./state.js";
@@ -116,10 +116,7 @@ $("tour-start").addEventListener("click", () => {
   $("tour-next").focus();  // the button is gone
 });
 $("tour-next").addEventListener("click", () => tour.go(tour.step + 1));
-$("tour-pause").addEventListener("click", () => {
-  tour.paused = !tour.paused;
-  refresh();
-});
+on("tour-pause", "click", () => (tour.paused = !tour.paused));
 $("tour-leave").addEventListener("click", () => tour.leave());
 
 // Whoever moves something else takes over. A panel begins with what the page showed before, and a language moves nothing.

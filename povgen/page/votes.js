@@ -1,29 +1,22 @@
 // The votes of a class, before and after it has discussed a question: a number for each choice, and bars.
 
-import { $ } from "./data.js";
+import { $, element } from "./data.js";
 import { percent, say } from "./language.js";
 
 const votes = new Map();  // the questions, and for each one or two lists of votes
-
-/** @type {(tag: string, properties?: object) => any} */
-const element = (tag, properties) => Object.assign(document.createElement(tag), properties);
 
 export function drawVotes(question, choices) {
   if (!choices) return $("votes").replaceChildren();
   const none = () => choices.map(() => 0);
   const rounds = votes.get(question) ?? votes.set(question, [none()]).get(question), given = rounds.at(-1);
   const rows = choices.map((choice, k) => {
-    const row = element("label"), track = element("span", { className: "track" });
-    const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field" });
-    field.setAttribute("aria-label", say("asking.votes_for", { choice }));
+    const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field", ariaLabel: say("asking.votes_for", { choice }) });
     field.addEventListener("input", () => {
       given[k] = Math.max(0, Math.round(Number(field.value)) || 0);
       show();
     });
     const bars = rounds.map(() => element("i")), share = element("output", { ariaLive: "off" });  // the field says the number
-    track.append(...bars);
-    row.append(element("span", { textContent: choice }), field, track, share);
-    return { row, bars, share };
+    return { row: element("label", {}, element("span", {}, choice), field, element("span", { className: "track" }, ...bars), share), bars, share };
   });
   const show = () => rows.forEach(({ bars, share }, k) => {
     const shares = rounds.map((round) => round[k] / round.reduce((sum, x) => sum + x, 0) || 0);
