@@ -3,8 +3,10 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import tempfile
 import time
 from contextlib import redirect_stderr, redirect_stdout
 from io import BytesIO, TextIOWrapper
@@ -15,7 +17,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from povgen import MovieSpec, Spheres
+from povgen import InputError, MovieSpec, Spheres
 from povgen.cli import app
 from povgen.optics import paraxial
 from povgen.optics.prism import Prism
@@ -139,19 +141,48 @@ def tree(folder):
     }
 
 
-def povgen(arguments, folder):
+class Stream(TextIOWrapper):
+    """A standard stream of the command line, which is a terminal or not."""
+
+    terminal = False
+
+    def isatty(self):
+        return self.terminal
+
+
+def povgen(arguments, folder, stdin=b""):
     """Run the command line in this process and in a folder. Return its exit status, its output and its errors."""
-    out, err = (TextIOWrapper(BytesIO(), "utf-8", errors="backslashreplace") for _ in range(2))
-    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
-        patch.chdir(folder)
-        patch.setattr(sys, "argv", ["povgen", *arguments])
-        with pytest.raises(SystemExit) as done:
-            app.main()
+    out, err = (Stream(BytesIO(), "utf-8", errors=errors) for errors in ("strict", "backslashreplace"))
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    own = os.dup(0)
+    with tempfile.TemporaryFile() as given:
+        given.write(stdin)
+        given.seek(0)
+        os.dup2(given.fileno(), 0)
+    try:
+        with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+            patch.chdir(folder)
+            patch.setattr(sys, "argv", ["povgen", *arguments])
+            with pytest.raises(SystemExit) as done:
+                app.main()
+    finally:
+        os.dup2(own, 0)
+        os.close(own)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
     texts = []
     for stream in (out, err):
         stream.flush()
         texts.append(stream.buffer.getvalue().decode())
     return done.value.code or 0, *texts
+
+
+def refusal(call, error=InputError):
+    """Return the one line in which a call is refused."""
+    with pytest.raises(error) as raised:
+        call()
+    assert "\n" not in str(raised.value)
+    return str(raised.value)
 
 
 def run_povgen(*arguments, cwd, status=0, **options):
@@ -240,13 +271,26 @@ def drawing(started_drawing, monkeypatch):
     monkeypatch.setattr(gl_runner, "Runner", lambda *_: started_drawing)
 
 
+def patient(browser):
+    """Let the pages of a browser wait long: one that draws without a GPU, on a busy machine, is no fault."""
+    new_page = browser.new_page
+
+    def waiting(**options):
+        page = new_page(**options)
+        page.set_default_timeout(240_000)  # ms
+        return page
+
+    browser.new_page = waiting
+    return browser
+
+
 @pytest.fixture(scope="module")
 def browser():
     """A Chromium that draws without a GPU."""
     from povgen.measure.browser import chromium
 
     with chromium() as started:
-        yield started
+        yield patient(started)
 
 
 # ---- The page's scripts ----

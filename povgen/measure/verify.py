@@ -222,7 +222,7 @@ def lenses() -> Iterator[Check]:
             (f"lenses of f-number {kind}: {{n}} objects against the ray trace, worst", 3, "px"),
             (f"lenses of f-number {kind}: {{2}} ghosts against the ray trace, worst", most, "px"),
         ]
-        yield Check("detailed", compare.ghosts, probes, lines, (800, 500), {"alpha": 5})
+        yield Check("detailed", compare.ghosts, probes, lines, (800, 500), {"alpha": 30})
     line = "lenses: slope up to which the designed path has most light, against n p/(4 f), worst of {n}", 5, "%"
     steep = [Directions(sheet="lenticular", f_number=f_number) for f_number in (3, 6, 12)]
     yield Check("detailed", compare.field_of_view, steep, [line], wrong={"index": 0.1})

@@ -4,33 +4,28 @@ import io
 import os
 import re
 import shutil
-import signal
-import sys
-import tempfile
 import warnings
-from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest import mock
 
 import imageio.v3 as iio
 import numpy as np
 import pytest
+from conftest import Stream, povgen
 from hypothesis import HealthCheck, Phase, settings
 from PIL import Image
 
 from fuzz.values import FIELDS, OPTIONS, SDL
 from povgen import Chess, MovieSpec, Spheres
-from povgen.cli import app
 from povgen.record import Record, in_png
 from povgen.scene.spec import Sweep
 from povgen.version import __version__
 
-PATIENCE = 60  # seconds for a case, on a slow and busy machine; most take milliseconds
 ran = 0  # cases
 
 
 def cases(few):
-    """Run a test on `few` cases, the same each time, and for a release on 12 times as many.
+    """Run a test on `few` cases, the same each time, and for a release on 24 times as many.
 
     It fails if more than half of them were not run.
     """
@@ -49,7 +44,7 @@ def cases(few):
             fuzz()
             assert ran - before >= count / 2, f"only {ran - before} of {count} cases were run"
 
-        return pytest.mark.parametrize("count", [few, pytest.param(12 * few, marks=pytest.mark.release)])(run)
+        return pytest.mark.parametrize("count", [few, pytest.param(24 * few, marks=pytest.mark.release)])(run)
 
     return counted
 
@@ -191,48 +186,6 @@ def new_place(place):
     new_folder()
 
 
-class Stream(io.TextIOWrapper):
-    terminal = False
-
-    def isatty(self):
-        return self.terminal
-
-
-def povgen(line, stdin=b""):
-    """Run the command line and return exit status, output and errors. Fail if it hangs or ends in another way."""
-
-    def hangs(*_):
-        raise AssertionError(f"no end: {line}")
-
-    out = Stream(io.BytesIO(), "utf-8", errors="strict")  # as Python has it on most systems
-    err = Stream(io.BytesIO(), "utf-8", errors="backslashreplace")
-    kept = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)}
-    signal.signal(signal.SIGALRM, hangs)
-    own = os.dup(0)
-    with tempfile.TemporaryFile() as file:
-        file.write(stdin)
-        file.seek(0)
-        os.dup2(file.fileno(), 0)
-    timer = signal.setitimer(signal.ITIMER_REAL, PATIENCE)  # another may be set, for the whole test
-    try:
-        with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
-            with warnings.catch_warnings():
-                warnings.simplefilter("error", RuntimeWarning)  # numpy's, of numbers that are none
-                patch.setattr(sys, "argv", ["povgen", *line])
-                with pytest.raises(SystemExit) as done:
-                    app.main()
-    finally:
-        os.dup2(own, 0)
-        os.close(own)
-        for number, handler in kept.items():
-            signal.signal(number, handler)
-        signal.setitimer(signal.ITIMER_REAL, *timer)
-    for stream in (out, err):
-        stream.flush()
-    texts = [stream.buffer.getvalue().decode() for stream in (out, err)]
-    return done.value.code or 0, *texts
-
-
 # Names of what may be at fault, and ways to say what is allowed.
 NAMED = {*FIELDS, *MovieSpec.model_fields, *Sweep.model_fields, *(name for _, name in OPTIONS), "shard", "option"}
 NAMED |= {"argument", "standard input", "toml", "movie", "missing", "x", "'"}
@@ -244,7 +197,9 @@ def tried(line, stdin=b""):
     """Run a case, check what every case must fulfil, and return exit status, output and errors."""
     global ran
     before = files()
-    status, out, err = povgen(line, stdin)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)  # numpy's, of numbers that are none
+        status, out, err = povgen(line, WORK, stdin)
     ran += 1
     after = files()
     changed = {path for path in before.keys() | after.keys() if before.get(path) != after.get(path)}

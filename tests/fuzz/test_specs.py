@@ -15,25 +15,10 @@ from povgen.scene.spec import Sweep
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
 
 LITERALS = [
-    *("nan", "+nan", "inf", "-inf", "0", "-0", "-0.0", "1e308", "-1e308", "1e400", "5e-324", "1e-400", "1_000", "007"),
-    *("9" * 400, "9" * 5000, "0x" + "f" * 5000, "0o7", "0b11", "0x10", "10001", "+5", ".5", "5."),
-    *("true", "false", "True", "null", "None", "1979-05-27", "1979-05-27T07:32:00Z", "07:32:00", "1979-02-30"),
-    *("[]", "[1]", "[[1]]", "[1, 2, 3]", "[true, -1]", "[0, true]", "[nan, -1]", "[1e308, -1e308]", "[0, -5e-324]"),
-    *('["0", "-1"]', "[1, [2]]", "[1979-05-27]", "[0x" + "f" * 5000 + "]", "[1" + ", 1" * 60 + "]", "[{}]"),
-    *("{}", "{a = 1}", "{a = {b = {c = []}}}", "{a.b.c = 1}", "{a = 1, a = 2}", '{"" = 1}', "[" * 2000, "{a=" * 500),
-    *(
-        '""',
-        '"\\u0000"',
-        '"\\ud800"',
-        '"\\U00110000"',
-        '"\\u202e"',
-        "'''a\nb'''",
-        '"unclosed',
-        "'it's'",
-        "",
-        "= 1",
-        "#",
-    ),
+    *("nan", "inf", "0", "-0.0", "1e308", "1e400", "5e-324", "9" * 400, "0x" + "f" * 5000, "10001", "true", "null"),
+    *("1979-05-27", "07:32:00", "[]", "[1]", "[[1]]", "[1, 2, 3]", "[true, -1]", "[nan, -1]", '["0", "-1"]', "[{}]"),
+    *("[1" + ", 1" * 60 + "]", "[" * 2000, "{}", "{a = 1}", "{a = {b = {c = []}}}", "{a=" * 500, '{"" = 1}'),
+    *('""', '"\\u0000"', '"\\u202e"', "'''a\nb'''", '"unclosed', "", "= 1", "#"),
 ]
 
 
@@ -102,13 +87,13 @@ def specs(draw, places):
     return toml(spec)
 
 
-@cases(120)
+@cases(60)
 @given(st.lists(st.sampled_from(PLACES), min_size=1, max_size=4, unique=True).flatmap(specs))
 def test_specs(text):
     tried_spec(text)
 
 
-@cases(60)
+@cases(30)
 @given(st.data())
 def test_what_is_no_toml(data):
     text = SPEC.encode()
@@ -120,7 +105,7 @@ def test_what_is_no_toml(data):
     tried_spec(made)
 
 
-@cases(80)
+@cases(40)
 @given(st.sampled_from(PLACES), st.sampled_from(SDL))
 def test_no_sdl_in_specs(place, payload):
     """Except in the title and the note, which do not reach POV-Ray."""

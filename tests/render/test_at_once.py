@@ -23,12 +23,6 @@ def expected(tmp_path, monkeypatch):
     return pictures
 
 
-def test_in_threads(expected, tmp_path):
-    with ThreadPoolExecutor(len(SCENES)) as pool:
-        pictures = pool.map(lambda scene: render(scene, **SMALL), SCENES)
-        assert all((a == b).all() for a, b in zip(pictures, expected, strict=True))
-
-
 def test_a_failure_in_one_thread(expected, tmp_path, monkeypatch):
     """A render that fails, and one that is refused, end no other thread's POV-Ray."""
     command = povray.command

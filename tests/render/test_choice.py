@@ -6,8 +6,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from conftest import PROJECT, povgen, refused
+from conftest import PROJECT, povgen, refused, some
 from PIL import Image
+from references import KEPT, converged, rendered
 
 from povgen import Chess, Rendering, Spheres, cheapest, render, to_pov
 from povgen.errors import InputError, PovrayError
@@ -22,8 +23,8 @@ from povgen.settings import QUALITIES
 
 pytestmark = pytest.mark.xdist_group("choice")  # in one process, which renders the costly pictures once
 CHART = PROJECT / "docs" / "chart" / "frames.csv"
-SIZE = (320, 240)
-STANDARD = Rendering(size=SIZE)
+SIZE = (240, 180)  # of the pictures in which positions are found
+STANDARD = Rendering(size=(320, 240))
 SMALL = Rendering(size=(160, 120))
 PROBED = {"aperture": APERTURE, "view": VIEW}  # as in the probes
 LADDER = [
@@ -32,54 +33,51 @@ LADDER = [
 ]
 
 
-@cache
-def converged(scene):
-    """The picture to judge by: 25 rays a pixel, whose error is a small part of the tolerances."""
-    return speed.sample(to_pov(scene), "1,0.001,5", SMALL.size)[1]
-
-
 def picture_error(scene, sheet, antialias):
     """Mean FLIP of a picture, rendered, against the converged one through the scene's prisms."""
     text = to_pov(scene.model_copy(update={"sheet": sheet}))
-    return speed.picture_error(speed.sample(text, antialias, SMALL.size)[1], converged(scene), scene)[1]
+    return speed.picture_error(speed.sample(text, antialias, SMALL.size)[1], converged(scene, SMALL.size), scene)[1]
 
 
 @cache
-def apparent(sheet, prisms, **values):
-    ((_, seen),) = located([Positions(sheet=sheet, prisms=prisms, **values)], SIZE)
-    return seen.position
+def position_errors(scene):
+    """How far sheets show what is at the scene's distances, and far away, from where its prisms show it, in pixels."""
+    position, alpha, probes = 0.1 - 0.8j, np.radians(scene.alpha), []
+    for z1 in (*scene.distances, 30.0):
+        L = equations.object_position(position, scene.E, z1, scene.z2, alpha)
+        shared = dict(alpha=scene.alpha, z1=z1, z2=scene.z2, L=L, extent=0.3 / equations.M(scene.z2 / z1, alpha))
+        kinds = ("detailed", "none" if scene.alpha == 0 else "ideal")
+        probes += [Positions(sheet=kind, prisms=scene.prisms, **shared) for kind in kinds]
+    seen = np.array([found.position for _, found in located(probes, SIZE)])
+    return abs(seen[::2] - seen[1::2]).max() * STANDARD.size[1] / scene.view
 
 
-def position_error(scene, sheet):
-    """How far a sheet shows what is at the scene's distances, and far away, from where the prisms show it, pixels."""
-    worst = 0.0
-    for position in (0.7 + 0.7j, 0.1 - 0.8j):
-        for z1 in (*scene.distances, 30.0):
-            alpha = np.radians(scene.alpha)
-            L = equations.object_position(position, scene.E, z1, scene.z2, alpha)
-            shared = dict(alpha=scene.alpha, z1=z1, z2=scene.z2, L=L, extent=0.3 / equations.M(scene.z2 / z1, alpha))
-            right, shown = (apparent(kind, scene.prisms, **shared) for kind in ("detailed", sheet))
-            worst = max(worst, abs(shown - right))
-    return worst * SIZE[1] / scene.view
+@pytest.mark.release
+@pytest.mark.parametrize("scene", KEPT)
+def test_kept_pictures_are_those_that_povray_renders(scene):
+    """If a scene looks otherwise now: `python tests/references.py` renders them again."""
+    size = KEPT[scene]
+    assert abs(converged(scene, size).astype(float) - rendered(scene, size)).mean() < 0.5
 
 
 @pytest.mark.parametrize(
     ("scene", "tolerance", "sheet"),
-    [
-        (Chess(**PROBED), 0.8, "detailed"),
-        (Chess(**PROBED), 4, "ideal"),
-        pytest.param(Chess(prisms=1000, **PROBED), 0.8, "ideal", marks=pytest.mark.release),
-        pytest.param(Chess(alpha=0, **PROBED), 4, "none", marks=pytest.mark.release),
-    ],
+    some(
+        [
+            (Chess(**PROBED), 0.8, "detailed"),
+            (Chess(**PROBED), 4, "ideal"),
+            (Chess(prisms=1000, **PROBED), 0.8, "ideal"),
+            (Chess(alpha=0, **PROBED), 4, "none"),
+        ],
+        2,
+        several=True,
+    ),
     ids=str,
 )
 def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
     chosen, _ = choose([scene], STANDARD, Tolerance(px=tolerance))
     assert chosen.sheet == sheet
-    if sheet == "detailed":
-        assert position_error(scene, "ideal") > tolerance
-    else:
-        assert position_error(scene, sheet) <= tolerance
+    assert (position_errors(scene) > tolerance) == (sheet == "detailed")
 
 
 @pytest.mark.release
@@ -87,10 +85,8 @@ def test_only_the_choice_keeps_positions(scene, tolerance, sheet):
     ("scene", "tolerance"),
     [
         (Chess(), 0.09),
-        # prisms and pixels make moire
-        pytest.param(Chess(alpha=175, prisms=138, z1=2.7, piece="pawn"), 0.28, marks=pytest.mark.release),
-        # more stray light, which the ideal sheet does not show
-        pytest.param(Chess(z2=3, prisms=50), 0.35, marks=pytest.mark.release),
+        (Chess(alpha=175, prisms=138, z1=2.7, piece="pawn"), 0.28),  # prisms and pixels make moire
+        (Chess(z2=3, prisms=50), 0.35),  # more stray light, which the ideal sheet does not show
     ],
     ids=str,
 )
@@ -126,7 +122,7 @@ def test_the_renderer_is_chosen_too(tolerance, drawing):
 
     def error(antialias):
         picture = render(Chess(), renderer="gl", size=SMALL.size, antialias=antialias)
-        return speed.picture_error(picture, converged(Chess()), Chess())[1]
+        return speed.picture_error(picture, converged(Chess(), SMALL.size), Chess())[1]
 
     assert (chosen.renderer, chosen.sheet) == ("gl", "detailed") and why.startswith("renderer gl, sheet detailed, ")
     found = error(chosen.antialias)

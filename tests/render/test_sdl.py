@@ -4,13 +4,16 @@ import os
 import re
 import shutil
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from povgen import Chess, Spheres, to_pov
+from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
 from povgen.measure.probes import Directions, PiecePositions, Positions
+from povgen.rendering import povray
+from povgen.rendering.frames import read_png
 from povgen.scene import materials, sdl
 from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic
@@ -164,3 +167,37 @@ def test_windows_of_equal_prisms_with_another_alpha_have_their_shapes():
     for last in ({"prisms": 50}, {"sheet": "lenticular"}):
         text = to_pov(Chess(z1=8, z2=10, window=[{"z": 2, "alpha": 120}, {"z": 4, **last}]))
         assert text.count("  { 100, 1.5, 45, 1, 0.01, 0, 2 }") == 2
+
+
+OBJECTS = "box|cone|cylinder|difference|light_source|mesh|object|plane|sky_sphere|sphere|union"
+
+
+@pytest.mark.release
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(),
+        Spheres(sheet="ideal", window="alpha=120,z=2", z1=(1, 3)),
+        Chess(sheet="single", background="white", z1=1),
+    ],
+    ids=lambda scene: f"{scene.name}-{scene.sheet}",
+)
+def test_every_object_changes_the_picture(scene, tmp_path):
+    """Without it the picture differs, or the text has an error, because a macro returns it."""
+    text = to_pov(scene)
+    found = [*re.finditer(rf"^( *)(?:{OBJECTS}) \{{(?: [^\n]*\}}$|\n.*?^\1\}}$)", text, re.M | re.S)]
+
+    def picture(n, text):
+        (tmp_path / f"{n}").mkdir()
+        return read_png(povray.run(text, Rendering(size=(320, 240), antialias="off"), tmp_path / f"{n}"))
+
+    def matters(n):
+        try:
+            return (picture(n, text[: found[n].start()] + text[found[n].end() :]) != whole).any()
+        except PovrayError:
+            return True
+
+    whole = picture("whole", text)
+    with ThreadPoolExecutor(4) as pool:
+        needed = pool.map(matters, range(len(found)))
+        assert len(found) > 4 and not [each[0] for each, is_needed in zip(found, needed, strict=True) if not is_needed]

@@ -3,6 +3,8 @@
 import re
 
 import numpy as np
+import pytest
+from conftest import some
 
 from povgen import Rendering, to_pov
 from povgen.measure import probes
@@ -32,19 +34,21 @@ def windows_at_random(count, rng):
         )
 
 
-def test_no_triangle_of_the_cameras_mesh_is_flat(rng, tmp_path):
+@pytest.mark.parametrize("count", some([60, 500], 1))
+def test_no_triangle_of_the_cameras_mesh_is_flat(count, rng, tmp_path):
     """POV-Ray divides by its area in the UV square. Only triangles in windows are made here, from one cell."""
     check = "#local Area = abs(vcross(Pixel(B) - Pixel(A), Pixel(C) - Pixel(A)).z);"
     check += ' #if (Area < 1e-13) #error "a flat triangle" #end #declare Triangles = Triangles + 1;'
     texts = ["#version 3.7; #declare Triangles = 0;"]
-    for scene in windows_at_random(500, rng):
+    for scene in windows_at_random(count, rng):
         text = re.sub("//.*", "", to_pov(scene.replace(grid=1)).partition("// ---- Coded colours")[0])
+        text = re.sub(r"#ifndef \(\w+\)(.*?) #end", r"\1", text)  # the parameters are this scene's
         text, found = re.subn(r"#macro MeshTriangle\(A, B, C, W\)", rf"\g<0> {check}", text)
         text = text.replace("CellsOutsideWindow(Lower, Upper)", "")
         assert found == 1
         texts.append(re.sub(r"camera \{.*", "", text))
         texts += [f"#undef {name}" for name in re.findall(r"#declare (Law\w+) = function", text)]
-    texts.append('camera { location -z } #if (Triangles < 5000) #error "few triangles" #end')
+    texts.append(f'camera {{ location -z }} #if (Triangles < {10 * count}) #error "few triangles" #end')
     povray.run("\n".join(texts), Rendering(size=(320, 240), antialias="off"), tmp_path)
 
 
@@ -75,8 +79,9 @@ def shown(scenes, monkeypatch, size=(64, 48)):
     yield from zip(scenes, probes.decoded(scenes, size), strict=True)
 
 
-def test_every_pixel_shows_the_direction_of_its_ray(rng, monkeypatch):
-    for scene, decoded in shown(list(windows_at_random(100, rng)), monkeypatch):
+@pytest.mark.parametrize("count", some([12, 100], 1))
+def test_every_pixel_shows_the_direction_of_its_ray(count, rng, monkeypatch):
+    for scene, decoded in shown(list(windows_at_random(count, rng)), monkeypatch):
         assert not np.isnan(decoded).any(), scene
         seen, doubtful = seen_through(scene, camera.pixels(scene, (64, 48)))
         expected = np.stack((seen.real, seen.imag, np.ones(seen.shape)), -1)

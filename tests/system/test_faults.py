@@ -72,7 +72,7 @@ def test_povray_ends_with_povgen(place):
     wait_for(lambda: any(b"scene.pov" in command for command in processes(place).values()))
     process.kill()
     process.communicate()
-    wait_for(lambda: not processes(place), 10)
+    wait_for(lambda: not processes(place), 60)
 
 
 @pytest.fixture(scope="module")

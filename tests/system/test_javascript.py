@@ -1,28 +1,21 @@
 """The scripts of the pages, without a browser: their equations, geometry, text and state are those of povgen."""
 
 import itertools
-import json
-import os
 import re
-import shutil
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import (
     BEYOND,
-    MODULES,
     Node,
     picture,
     scene_of,
     seen_through_other_sheets,
     sentence,
+    some,
 )
 
-import povgen
 from povgen import Chess, Spheres
 from povgen.liveview import scripts
 from povgen.liveview.languages import tables
@@ -35,8 +28,6 @@ from povgen.scene import shader, warnings
 from povgen.scene.laws import to_live
 from povgen.scene.quantities import QUANTITIES
 from povgen.scene.scenes import pieces
-from povgen.scene.sdl import TEMPLATES
-from povgen.scene.spec import MOVIES
 from povgen.scene.survey import survey
 from povgen.settings import Rendering
 from povgen.sheets import SHEETS
@@ -199,7 +190,7 @@ def test_positions_behind_other_sheets_are_those_of_python(page):
 IDEAL_KINDS = ["none", "ideal", *KINDS]
 
 
-def states(rng, number=28):
+def states(rng, number):
     """Yield the page's values of one or two windows, with the parameters of examples of their kinds."""
     yield from BEYOND
     for k in range(number):
@@ -221,10 +212,11 @@ def states(rng, number=28):
         yield {"prisms": 60} | given | values | {"sheet": str(values["sheet"]), "sheet2": str(values["sheet2"])}
 
 
-def test_positions_behind_any_windows_are_those_of_python(page):
+@pytest.mark.parametrize("number", some([7, 28], 1))
+def test_positions_behind_any_windows_are_those_of_python(page, number):
     """So are nu, M and the errors behind prisms. Its sentences have no gap, and its address keeps all."""
-    rng, found, glass = np.random.default_rng(11), 0, 0
-    for values in states(rng):
+    rng, found, glass = np.random.default_rng(11), [], 0
+    for values in states(rng, number):
         page.evaluate("fromHash('')")
         page.evaluate("change", values)
         scene = scene_of(page)
@@ -237,10 +229,10 @@ def test_positions_behind_any_windows_are_those_of_python(page):
         text = page.evaluate("[describe(moment()), ...caption(moment())].join()")
         assert not re.search(r"NaN|Infinity|null|undefined|\[object|\{", text), text
         place = complex(*place)
-        if not np.isfinite(wanted):
+        found.append(np.isfinite(wanted))
+        if not found[-1]:
             assert not np.isfinite(place), values
             continue
-        found += 1
         exact = np.isfinite(scene.apparent_position(L, z1))
         assert place == pytest.approx(wanted, rel=1e-6 if exact else 0.1, abs=1e-6 if exact else 0.1), values
         error = page.evaluate("moment().glass ? possibleError(moment()) : 0")
@@ -252,7 +244,7 @@ def test_positions_behind_any_windows_are_those_of_python(page):
             nu, M = scene.nu_and_M(z1)
             given = page.evaluate("(({ nu, M }) => [nu, M])(moment())")
             assert [np.exp(1j * given[0]), given[1]] == [pytest.approx(np.exp(1j * np.radians(nu))), pytest.approx(M)]
-    assert found > 45 and glass > 5
+    assert np.mean(found) > 0.8 and glass > 1
 
 
 def test_no_ideal_sheet_stands_behind_prisms(page):
@@ -418,69 +410,6 @@ def test_object_and_eye_are_outside_the_frames_on_both_sides_of_the_curtain(page
 
 
 # ---- The kinds of sheets ----
-
-# A kind with parameters that no other has: a lens along x only, which also shifts all light.
-CYLINDER = """
-from povgen.sheets.law_grammar import Law
-from povgen.sheets.sheet import Ideal, Parameter
-
-class Cylinder(Ideal):
-    name = "cylinder"
-    title = "cylinder lens <1>"
-    does = "bends light towards a vertical line"
-    source = "a test"
-    parameters = (
-        Parameter("power", "power of the lens, -3 to 3", 0.2, -3, 3),
-        Parameter("shift", "shift of the light as X,Y,Z", (0.5, 0.0, 0.1), -1, 1, kind="direction"),
-    )
-    law = Law("x - power*X*z + shift_x*z/9, y + shift_y*z/9, z + 0*shift_z", ["power", "shift_x", "shift_y", "shift_z"])
-"""
-# What the page is made of, and where Python says that the knight is seen.
-EMITTED = """
-import json, sys
-from povgen import Chess
-from povgen.liveview import scripts
-from povgen.page import page
-from povgen.scene.laws import to_live
-from povgen.scene.pieces import PIECES
-from povgen.scene.sdl import to_html
-from povgen.video import fonts
-data, laws = page.data({name: name for name in PIECES}), to_live()
-place = Chess(sheet="cylinder", power=-0.3, shift=(-1, 0.25, 0), z1=3, eye=(0.4, -0.3)).apparent_position(-0.85j, 3)
-html = to_html("page/index", data, scripts.script("page/main.js", laws=laws), laws, fonts.encoded())
-print(json.dumps([data, scripts.script(*sys.argv[1:], laws=laws), html, [place.real, place.imag]]))
-"""
-
-
-def test_a_new_kind_of_sheet_is_one_file(tmp_path):
-    """It is in the page's choice, with its sliders and fields; the page's numbers are Python's."""
-    shutil.copytree(Path(povgen.__file__).parent, tmp_path / "povgen", ignore=shutil.ignore_patterns("__pycache__"))
-    for folder in (TEMPLATES, MOVIES):
-        shutil.copytree(folder, tmp_path / folder.name)
-    (tmp_path / "povgen" / "sheets" / "cylinder.py").write_text(CYLINDER)
-    command = [sys.executable, "-c", EMITTED, *MODULES]
-    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert not done.returncode, done.stderr
-    data, script, html, place = json.loads(done.stdout)
-    assert '<option value="cylinder" data-say="kinds.cylinder.choice"></option>' in html
-    for part in ("slider-power", "number-power", "number-shiftx", "number-shifty", "number-shiftz"):
-        assert f'id="{part}"' in html
-    node = Node(data, script)
-    node.evaluate("chooseBeyond", "cylinder")
-    assert node.evaluate("[state.power, state.shift]") == [0.2, [0.5, 0, 0.1]]
-    assert node.evaluate("chosenBeyond()") == "cylinder"
-    assert node.evaluate("marked(say('kinds.cylinder.choice'))") == "cylinder lens &lt;1>"
-    node.evaluate("change", {"power": -0.3, "shift": [-1, 0.25, 0], "z1": 3, "E": [0.4, -0.3]})
-    assert node.evaluate("moment().place") == pytest.approx(place, abs=1e-9)
-    link = node.evaluate("toHash()")
-    assert "sheet=cylinder" in link and "power=-0.3&shift=-1,0.25,0&" in link
-    caption = node.evaluate("caption(moment())")
-    assert caption[:3] == ["cylinder lens <1>", "power = −0.3", "shift = (−1, 0.25, 0)"]
-    assert node.evaluate("explanation(moment())").startswith("The sheet bends light towards a vertical line. ")
-    node.evaluate("change", {"power": 7})
-    assert "power is at most 3." in node.evaluate("explanation(moment())")
-    node.close()
 
 
 def test_lenses_are_predicted(page):

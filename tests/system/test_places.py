@@ -1,5 +1,6 @@
 """Unusual names, links, read-only folders, users without a home, missing settings and closed standard files."""
 
+import json
 import os
 import pty
 import shutil
@@ -57,7 +58,7 @@ def test_a_link_as_output(tmp_path):
     (tmp_path / "link.png").symlink_to("there/frame.png")
     (tmp_path / "movie.gif").symlink_to(tmp_path / "there" / "real.gif")
     assert povgen(["frame", "chess", *TINY, "-o", "link.png"], tmp_path)[0] == 0
-    run_povgen("movie", "-", *TINY, "-o", "movie.gif", cwd=tmp_path, input=SPEC)
+    assert povgen(["movie", "-", *TINY, "-o", "movie.gif"], tmp_path, SPEC.encode())[0] == 0
     assert (tmp_path / "link.png").is_symlink() and (tmp_path / "movie.gif").is_symlink()
     assert (tmp_path / "there" / "frame.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "there" / "real.gif").read_bytes().startswith(b"GIF89a")
@@ -69,13 +70,11 @@ def test_a_link_as_output(tmp_path):
 
 
 def test_a_spec_from_standard_input(tmp_path):
-    run_povgen("movie", "-", *TINY, "-o", "a.mp4", cwd=tmp_path, input=SPEC)
+    assert povgen(["movie", "-", *TINY, "-o", "a.mp4"], tmp_path, SPEC.encode())[0] == 0
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
-    for text, word in (("title = 1", "standard input"), ("[", "not TOML"), ("\udc80".join("ab"), "TOML")):
-        printed = run_povgen(
-            "movie", "-", "-o", "b.mp4", cwd=tmp_path, input=text, status=2, errors="surrogateescape"
-        ).stderr
-        assert printed.startswith("povgen: standard input: ") and word in printed
+    for text, word in ((b"title = 1", "standard input"), (b"[", "not TOML"), (b"a\x80b", "TOML")):
+        status, _, printed = povgen(["movie", "-", "-o", "b.mp4"], tmp_path, text)
+        assert status == 2 and printed.startswith("povgen: standard input: ") and word in printed
     run_povgen("movie", "-", *TINY, cwd=tmp_path, input=SPEC)
     assert sorted(os.listdir(tmp_path)) == ["a.mp4", "movie.mp4"]
 
@@ -106,14 +105,29 @@ def ordinary():
     return nobody if starts else ["setpriv", "--bounding-set=-all", "--inh-caps=-all"]
 
 
-def as_nobody(folder, *arguments, status=0, **environment):
-    environment = {"PATH": os.environ["PATH"], **environment}
-    done = subprocess.run(
-        [*ordinary(), POVGEN, *arguments], cwd=folder, env=environment, capture_output=True, text=True
-    )
-    assert done.returncode == status, done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
-    return done
+# runs command lines one after the other, each in a folder and with a cache; prints what each one has done
+SEVERAL = """
+import json, os, sys
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from povgen.cli import app
+for folder, os.environ["POVGEN_CACHE"], line in json.loads(sys.argv[1]):
+    os.chdir(folder)
+    sys.argv[1:] = line
+    try:
+        with redirect_stdout(StringIO()) as out, redirect_stderr(StringIO()) as err:
+            app.main()
+    except SystemExit as end:
+        print(json.dumps([end.code or 0, out.getvalue(), err.getvalue()]))
+"""
+
+
+def as_nobody(lines):
+    """Return the exit status, the output and the errors of each of several command lines."""
+    command = [*ordinary(), sys.executable, "-c", SEVERAL, json.dumps(lines)]
+    done = subprocess.run(command, cwd="/", env={"PATH": os.environ["PATH"]}, capture_output=True, text=True)
+    assert done.returncode == 0 and "Traceback" not in done.stdout, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]
 
 
 @pytest.fixture
@@ -130,33 +144,33 @@ def test_folders_that_cannot_be_written_to(open_folder):
     (open_folder / "shut").mkdir(mode=0o555)
     (open_folder / "shut" / "there.png").write_bytes(b"kept")
     (open_folder / "shut" / "there.png").chmod(0o444)
-    own = {"POVGEN_CACHE": str(open_folder / "cache")}
-    for arguments in (
-        ["frame", "chess", *TINY, "-o", "shut/a.png"],
-        ["frame", "chess", *TINY, "-o", "shut/there.png"],
-        ["movie", "vary-z1", "-o", "shut/a.mp4"],
-    ):
-        printed = as_nobody(open_folder, *arguments, status=2, **own).stderr
-        assert "shut/" in printed and "allowed" in printed and len(printed.splitlines()) <= 2
     (open_folder / "a.toml").write_text(SPEC)
-    as_nobody(open_folder / "shut", "movie", "../a.toml", *TINY, "--shard", "1/3", **own)
-    printed = as_nobody(
-        open_folder, "frame", "chess", *TINY, status=1, POVGEN_CACHE=str(open_folder / "shut" / "c")
-    ).stderr
-    assert "Permission denied" in printed and "shut/c" in printed and "POVGEN_CACHE" in printed
-    assert os.listdir(open_folder / "shut") == ["there.png"]
-    assert not (open_folder / "frame.png").exists()
-    shut = {"POVGEN_CACHE": str(open_folder / "shut")}
-    done = as_nobody(open_folder, "check", status=1, **shut)
-    assert f"FAULT  cache: {open_folder}/shut: Permission denied (" in done.stdout
+    folder, shut, own = str(open_folder), str(open_folder / "shut"), str(open_folder / "cache")
+    frame = ["frame", "chess", *TINY]
+    *refusals, shard, no_cache, checked = as_nobody(
+        [
+            (folder, own, [*frame, "-o", "shut/a.png"]),
+            (folder, own, [*frame, "-o", "shut/there.png"]),
+            (folder, own, ["movie", "vary-z1", "-o", "shut/a.mp4"]),
+            (shut, own, ["movie", "../a.toml", *TINY, "--shard", "1/3"]),
+            (folder, f"{shut}/c", frame),
+            (folder, shut, ["check"]),
+        ]
+    )
+    for status, _, said in refusals:
+        assert status == 2 and "shut/" in said and "allowed" in said and len(said.splitlines()) <= 2
+    assert shard[0] == 0
+    assert no_cache[0] == 1 and all(word in no_cache[2] for word in ("Permission denied", "shut/c", "POVGEN_CACHE"))
+    assert os.listdir(shut) == ["there.png"] and not (open_folder / "frame.png").exists()
+    assert checked[0] == 1 and f"FAULT  cache: {shut}: Permission denied (" in checked[1]
 
 
 def test_on_a_terminal_and_without(tmp_path):
     """Progress is a bar on a terminal and lines elsewhere. With --quiet there are only errors."""
     (tmp_path / "a.toml").write_text(SPEC)
     arguments = ["movie", "a.toml", *TINY, "-o", "a.mp4"]
-    assert "a.mp4: 3/3 frames" in run_povgen(*arguments, cwd=tmp_path).stderr
-    assert run_povgen(*arguments, "--quiet", cwd=tmp_path).stderr == ""
+    assert "a.mp4: 3/3 frames" in povgen(arguments, tmp_path)[2]
+    assert povgen([*arguments, "--quiet"], tmp_path)[2] == ""
     ours, theirs = pty.openpty()
     able = {**os.environ, "TERM": "xterm"}
     process = subprocess.Popen([POVGEN, *arguments], cwd=tmp_path, env=able, stderr=theirs, stdout=theirs, stdin=theirs)

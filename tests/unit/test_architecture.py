@@ -91,15 +91,10 @@ def test_there_is_no_circle_of_imports():
         ("jinja2", {"scene.sdl"}),
         (
             "subprocess",
-            {
-                "rendering.povray",
-                "rendering.gl_runner",
-                "rendering.parallel",
-                "scene.readers",
-                "video.encode",
-            },
+            {"rendering.povray", "rendering.gl_runner", "rendering.parallel", "scene.readers", "video.encode"},
         ),
         ("imageio", {"video.encode"}),
+        ("PIL", {"rendering", "scene.fields", "scene.picture_reader", "scene.pictures", "video"}),
         ("matplotlib", {"measure.plotting"}),
         ("flip_evaluator", {"rendering.flip"}),
         ("playwright", {"measure.browser"}),

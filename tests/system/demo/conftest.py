@@ -4,13 +4,13 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from conftest import NAMES
+from conftest import NAMES, patient
 from PIL import Image
 from playwright.sync_api import expect
 
 from povgen.measure import browser as chromium
 
-expect.set_options(timeout=60_000)  # ms: a busy machine is no fault
+expect.set_options(timeout=240_000)  # ms: a busy machine is no fault
 WORK = {"width": 1000, "height": 640}  # a small canvas costs less
 COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
 STILL = "view.later = () => {}"  # most tests are not about the live view
@@ -30,7 +30,7 @@ def browser():
         mesa = "--use-angle=gl-egl --ignore-gpu-blocklist --disable-gpu-compositing".split()
         patch.setattr(chromium, "ARGUMENTS", [*others, *mesa])
         with chromium.chromium() as started:
-            yield started
+            yield patient(started)
 
 
 @pytest.fixture(scope="package")
@@ -45,7 +45,6 @@ class Faults(list):
     """What the console says, and the requests for anything but the page's own files."""
 
     def watch(self, page, folder):
-        page.set_default_timeout(60_000)
         # Chromium says so when it copies a canvas out of SwiftShader
         page.on("console", lambda message: "GPU stall due to ReadPixels" in message.text or self.append(message.text))
         page.on("pageerror", lambda error: self.append(str(error)))

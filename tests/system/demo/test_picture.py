@@ -35,6 +35,21 @@ def test_other_sheets_show_the_piece_where_it_is_predicted(page, name):
     assert (piece & predicted & inside).sum() > 0.8 * ((piece | predicted) & inside).sum() > 300
 
 
+@pytest.mark.parametrize("prisms", [False, True])
+def test_two_windows_show_the_piece_where_it_is_predicted(page, prisms):
+    first = {"sheet": "axis", "sheet2": "detailed", "alpha": 10, "axis": [0, 1, 0], "alpha2": 40}
+    lens = {"sheet": "lens", "sheet2": "ideal", "focal_length": 4, "alpha2": 60}
+    show(page, windows=2, E=[0.2, 0.1], position=True, **first if prisms else lens)
+    assert picture(page, COARSE).std() > 10
+    scene = scene_of(page)
+    place = complex(scene.apparent_position(scene.L, page.evaluate("moment().z1")))
+    assert abs(place - scene.L) > 0.1 and abs(centre(page, "#predicted") - place) < 0.02
+    piece, predicted = piece_and_prediction(page)
+    assert (piece & predicted).sum() > (0.6 if prisms else 0.9) * predicted.sum() > 100
+    for text in (page.locator("#sentence").text_content(), page.evaluate("describe(moment())")):
+        assert "First window: The sheet" in text and "Second window: " in text
+
+
 def piece_and_prediction(page):
     """Return where the picture shows the piece, and where its image is predicted, as masks (120, 160)."""
     shown = page.evaluate("[...readout(view, 160, 120).shown].filter((_, k) => k % 4 === 0)")

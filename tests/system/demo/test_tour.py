@@ -22,7 +22,7 @@ def tour(page):
 def test_it_begins_by_itself(browser, demo_file):
     page = browser.new_page(reduced_motion="no-preference")
     page.goto(demo_file.as_uri())
-    page.wait_for_function("povgen.tour.tour.step >= 0")
+    page.wait_for_function("povgen.tour.tour.step >= 0 && (povgen.tour.tour.paused = true)")
     expect(page.locator("#tour-text")).to_contain_text("A window stands on a floor")
     page.evaluate(NAMES)
     assert page.evaluate("location.hash") == ""  # the address does not follow
@@ -62,13 +62,14 @@ def test_it_waits_for_who_uses_the_keyboard(browser, demo_file):
 def test_each_step_follows_the_one_before_and_the_end_is_the_beginning(tour):
     assert tour.evaluate("state.alpha") == 66
     texts = []
-    tour.evaluate("tour.paused = false")
     for n in range(10):
-        tour.wait_for_function("(n) => tour.step === n", arg=n)
+        tour.evaluate("tour.paused = false")
+        tour.wait_for_function("(n) => tour.step === n && (tour.paused = true)", arg=n)
         tour.evaluate("draw()")
         texts.append(tour.locator("#tour-text").text_content())
         expect(tour.locator("#tour-count")).to_have_text(f"{n + 1} of 10")
         tour.evaluate(END)
+    tour.evaluate("tour.paused = false")
     tour.wait_for_function("tour.passed > 100")  # the last step waits
     tour.get_by_role("button", name="Done").click()
     assert len({*texts}) == 10
