@@ -7,13 +7,18 @@ export function readout({ context }, width, height) {
   const target = context.target("readout", width, height, 3);
   const size = [width, height];
   context.draw("readout", target, size, { size, jitter: [0, 0], rayNumber: 0 });
-  const read = (k) => {
-    const numbers = new Float32Array(4 * width * height);
+  const [ray, shown, met] = [0, 1, 2].map((k) => {
     gl.readBuffer(gl.COLOR_ATTACHMENT0 + k);
-    gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
-    return numbers;
-  };
-  return { ray: read(0), shown: read(1), met: read(2) };
+    return numbers(gl, width, height);
+  });
+  return { ray, shown, met };
+}
+
+// The numbers of a framebuffer. To read them waits for the graphics processor.
+function numbers(gl, width, height) {
+  const found = new Float32Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, found);
+  return found;
 }
 
 // The light of each pixel of a picture, by this many rays: four numbers each, the sum of red, green and blue, and the
@@ -23,9 +28,7 @@ export function light({ context }, width, height, rays, part = 1) {
   let sum;
   for (let count = 0; count < rays; count++) sum = context.addRay("still", [width, height], count, { part });
   gl.bindFramebuffer(gl.FRAMEBUFFER, sum.framebuffer);
-  const numbers = new Float32Array(4 * width * height);
-  gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
-  return numbers;
+  return numbers(gl, width, height);
 }
 
 const STILL = { RAYS: 16, MOST: 4000 };  // rays a pixel of a picture to save; fewer if they take so many ms
@@ -36,7 +39,7 @@ export function still({ context, canvas }, width, height) {
   let sum, count = 0;
   while (count < STILL.RAYS && (count === 0 || performance.now() - start < STILL.MOST)) {
     sum = context.addRay("still", size, count++);
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.FLOAT, new Float32Array(4));  // waits for the graphics processor
+    numbers(gl, 1, 1);
   }
   const made = Object.assign(document.createElement("canvas"), { width, height });
   [canvas.width, canvas.height] = size;

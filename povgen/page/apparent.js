@@ -168,32 +168,22 @@ function target(windows, E, z1, z2) {
 
 const ANGLES = Array.from({ length: 25 }, (_, k) => Math.tan(Math.min(1.55, Math.max(-1.55, ((k - 12) * 7 * Math.PI) / 180))));
 const MARGIN = 0.3;  // of a cell's size
-const even = (least, most) => ANGLES.map((_, k) => least + ((most - least) * k) / (ANGLES.length - 1));
+const CELLS = 36;    // of the net over the window, in a row
 /** @type {any} */
 let kept = {};  // those of the last windows
 
-// Nets of rays from which the search starts: over all angles, over the window, and finer ones over a small part of the window
-// through which all rays to the last window pass. Python's nets are finer, for the laws of one's own, which the page does not have.
+// Nets of rays from which the search starts: over all angles, and over the window. Python's net is finer, for the laws of one's own,
+// which the page does not have.
 function netsOf(windows, E, z1, z2) {
   const key = String([E, z1, z2]);
   if (kept.windows === windows && kept.key === key) return kept.nets;
   const follow = following(windows, E, z2), half = windows[0].values.aperture / 2;
   const net = (xs, ys) => {
-    const paths = ys.map((y) => xs.map((x) => follow([x, y])));
-    const shown = paths.map((row) => row.map((path) => landing(path, windows, z1)));
-    return { xs, ys, paths, shown, boxes: boxes(shown) };
+    const shown = ys.map((y) => xs.map((x) => landing(follow([x, y]), windows, z1)));
+    return { xs, ys, shown, boxes: boxes(shown) };
   };
-  const nets = [net(ANGLES, ANGLES)];
-  let [xs, ys] = E.map((x) => even((-1.1 * half - x) / z2, (1.1 * half - x) / z2));
-  for (;;) {
-    const last = net(xs, ys);
-    nets.push(last);
-    const [first, ...others] = windows.map((_, number) => boxes(last.paths.map((row) => row.map((path) => meets(path, number)?.place))));
-    const open = first.filter((box, n) => [box, ...others.map((each) => each[n])].every(({ low, high }) => Math.max(...low) <= half && Math.min(...high) >= -half));
-    const [columns, rows] = ["k", "j"].map((axis) => open.map((box) => box[axis])).map((found) => [Math.min(...found), Math.max(...found)]);
-    if (!open.length || Math.max(rows[1] - rows[0], columns[1] - columns[0]) > (ANGLES.length - 1) / 2) break;
-    [xs, ys] = [even(xs[columns[0]], xs[columns[1] + 1]), even(ys[rows[0]], ys[rows[1] + 1])];
-  }
+  const [xs, ys] = E.map((x) => Array.from({ length: CELLS + 1 }, (_, k) => ((2.2 * k) / CELLS - 1.1) * half / z2 - x / z2));
+  const nets = [net(ANGLES, ANGLES), net(xs, ys)];
   kept = { windows, key, nets };
   return nets;
 }

@@ -34,45 +34,26 @@ function mapOf(width, height, { L, E, P, two }) {
 }
 
 export function drawDiagram(now) {
-  const { width, height } = diagram.getBoundingClientRect();
+  const { width, height } = diagram.getBoundingClientRect(), box = { width, height };
   if (!width) return;
   const rem = 0.9 * parseFloat(getComputedStyle(document.documentElement).fontSize);
-  const box = { width, height };
-  if (now.Z && orientation() === "paper") {
-    session.diagramMap = null;
-    showDiagram(depthDiagram(now, box, rem), now);
-    return;
-  }
-  const map = session.held?.map ?? mapOf(width, height, now);
+  const isDepth = now.Z && orientation() === "paper", map = isDepth ? null : session.held?.map ?? mapOf(width, height, now);
   session.diagramMap = map;
-  const { at } = map;
-  const [L, E] = [at([0, 0]), at([1, 0])];
-  const parts = map.ofTiles ? windowOutline(map, now) : axes(at, box, rem);
-  if (now.two) {
-    parts.push(...family(map, box), ...curves(map, now));
-    if (orientation() === "paper") parts.push(...scaleNames(at, now, rem));
-    if (finite(now.P)) {
-      const P = at(scaled(Math.min(1, 1e4 / abs(now.P)), now.P));
-      const same = abs(minus(L, E)) < 1;
-      const nu = equations.nu(now.r, now.alpha);
-      parts.push(...(same ? [] : triangle(L, E, P, { alpha: now.alpha, nu }, rem, box)));
-      parts.push(...others(map, now, rem), ...corners(L, E, P, rem, box));
-    } else {
-      parts.push(...corners(L, E, null, rem, box), ...poleWords([L, E], height, rem));
-    }
-  } else {
-    const P = map.ofTiles?.(now.place);
-    if (P && finite(P)) parts.push(...triangle(L, E, P, { alpha: 0, nu: 0 }, rem, box));
-    parts.push(...corners(L, E, P && finite(P) ? P : null, rem, box));
-  }
-  showDiagram(parts, now);
+  diagram.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
+  diagram.replaceChildren(...(isDepth ? depthDiagram(now, box, rem) : triangleDiagram(now, map, box, rem)));
+  diagram.setAttribute("aria-label", diagramName(now));
 }
 
-function showDiagram(parts, now) {
-  const { width, height } = diagram.getBoundingClientRect();
-  diagram.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
-  diagram.replaceChildren(...parts);
-  diagram.setAttribute("aria-label", diagramName(now));
+function triangleDiagram(now, map, box, rem) {
+  const { at } = map, [L, E] = [at([0, 0]), at([1, 0])], { two } = now;
+  const place = two ? finite(now.P) && at(scaled(Math.min(1, 1e4 / abs(now.P)), now.P)) : map.ofTiles?.(now.place);
+  const P = place && finite(place) ? place : null, angles = two ? { alpha: now.alpha, nu: equations.nu(now.r, now.alpha) } : { alpha: 0, nu: 0 };
+  return [
+    ...(map.ofTiles ? windowOutline(map, now) : axes(at, box, rem)),
+    ...(two ? [...family(map, box), ...curves(map, now), ...(map.ofTiles ? [] : scaleNames(at, now, rem))] : []),
+    ...(P && abs(minus(L, E)) >= 1 ? triangle(L, E, P, angles, rem, box) : []),
+    ...(two && P ? others(map, now, rem) : []), ...corners(L, E, P, rem, box), ...(two && !P ? poleWords([L, E], box.height, rem) : []),
+  ];
 }
 
 function diagramName(now) {

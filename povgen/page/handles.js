@@ -118,13 +118,11 @@ export function placeHandles(now) {
     const sentence = `controls.${id.replace("-picture", "").replace("-", "_")}`;
     $(id).setAttribute("aria-label", say(sentence, { place: placeSaid(state[$(id).dataset.moves]) }));
   };
-  put("eye-picture", onStage(now.E), stage);
-  put("object-picture", finite(now.place) ? onStage(now.place) : [0, 0], stage);
+  const inPicture = { eye: now.E, object: finite(now.place) ? now.place : [0, 0], aim: state.W }, inDiagram = { eye: [1, 0], object: [0, 0] };
+  for (const [name, place] of Object.entries(inPicture)) put(`${name}-picture`, onStage(place), stage);
   $("aim-picture").hidden = state.light !== "aim";
-  put("aim-picture", onStage(state.W), stage);
-  const turns = orientation() === "picture";
-  for (const id of ["eye-diagram", "object-diagram"]) $(id).hidden = !turns;
-  if (!turns || !session.diagramMap) return;
-  put("eye-diagram", session.diagramMap.at([1, 0]), $("diagram-box"));
-  put("object-diagram", session.diagramMap.at([0, 0]), $("diagram-box"));
+  for (const [name, place] of Object.entries(inDiagram)) {
+    $(`${name}-diagram`).hidden = orientation() !== "picture";
+    if (orientation() === "picture" && session.diagramMap) put(`${name}-diagram`, session.diagramMap.at(place), $("diagram-box"));
+  }
 }

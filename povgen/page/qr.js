@@ -27,6 +27,8 @@ function checks(bytes, count) {
   return rest;
 }
 
+const digits = (value, count) => value.toString(2).padStart(count, "0");
+
 // A number with the remainder of its polynomial: the format and the version are written with one.
 function withRemainder(value, polynomial, bits) {
   let rest = value << bits;
@@ -87,22 +89,16 @@ export function qr(text) {
     const free = dark.flat().filter((module) => module === null).length >> 3;
     const room = free - BLOCKS[version - 1] * CHECKS[version - 1], lengthBits = version < 10 ? 8 : 16;
     if (12 + lengthBits + 8 * bytes.length > 8 * room + 8) continue;
-    const bits = [[4, 4], [bytes.length, lengthBits], ...bytes.map((byte) => [byte, 8]), [0, 4]].flatMap(([value, count]) => Array.from({ length: count }, (_, k) => (value >> (count - 1 - k)) & 1));
-    if (bits.length > 8 * room) bits.length = 8 * room;
-    while (bits.length % 8) bits.push(0);
-    const data = Array.from({ length: bits.length / 8 }, (_, k) => parseInt(bits.slice(8 * k, 8 * k + 8).join(""), 2));
+    const bits = `0100${digits(bytes.length, lengthBits)}${bytes.map((byte) => digits(byte, 8)).join("")}0000`.slice(0, 8 * room);
+    const data = bits.match(/.{1,8}/g).map((byte) => parseInt(byte.padEnd(8, "0"), 2));
     for (let k = 0; data.length < room; k++) data.push(k % 2 ? 0x11 : 0xec);
-    const stream = interleaved(data, version, free);
-    let next = 0;
+    const stream = [...interleaved(data, version, free).map((byte) => digits(byte, 8)).join("")];
     for (let right = side - 1; right > 0; right -= 2) {
       if (right === 6) right = 5;
       for (let k = 0; k < side; k++) {
         for (const x of [right, right - 1]) {
           const y = ((right + 1) & 2) === 0 ? side - 1 - k : k;
-          if (dark[y][x] !== null) continue;
-          const on = next < 8 * stream.length && (stream[next >> 3] >> (7 - (next & 7))) & 1;
-          dark[y][x] = Boolean(on) !== ((x + y) % 2 === 0);
-          next++;
+          if (dark[y][x] === null) dark[y][x] = (stream.shift() === "1") !== ((x + y) % 2 === 0);
         }
       }
     }
