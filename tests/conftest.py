@@ -297,7 +297,7 @@ def browser():
 
 
 # The modules of the page whose exports are global names in Node.
-EXPORTED = "apparent equations numbers text address state moment contents questions beyond qr rays trace"
+EXPORTED = "apparent equations text address state moment questions qr rays trace"
 MODULES = ["liveview/geometry.js", "liveview/sheets.js", *(f"page/{name}.js" for name in EXPORTED.split())]
 
 

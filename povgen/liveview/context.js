@@ -30,14 +30,20 @@ export class Context {
   makePicture(part) {
     const { gl } = this, image = this.shapes.images[part];
     gl.deleteTexture(this.textures[part] ?? null);
-    this.textures[part] = gl.createTexture();
     gl.activeTexture(part === "sky" ? gl.TEXTURE2 : gl.TEXTURE3);
-    gl.bindTexture(gl.TEXTURE_2D, this.textures[part]);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.SRGB8_ALPHA8, image.width, image.height);
+    this.textures[part] = this.texture(gl.TEXTURE_2D, gl.SRGB8_ALPHA8, [image.width, image.height], gl.LINEAR, [gl.REPEAT, part === "sky" ? gl.CLAMP_TO_EDGE : gl.REPEAT]);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, image);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, part === "sky" ? gl.CLAMP_TO_EDGE : gl.REPEAT);
-    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
     gl.activeTexture(gl.TEXTURE0);
+  }
+
+  // A new texture at the active unit. `wraps`: what follows beyond its ends, for each axis.
+  texture(kind, format, size, filter, wraps = []) {
+    const { gl } = this, made = gl.createTexture(), axes = [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R];
+    gl.bindTexture(kind, made);
+    gl[`texStorage${size.length}D`](kind, 1, format, ...size);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(kind, name, filter);
+    wraps.forEach((wrap, k) => gl.texParameteri(kind, axes[k], wrap));
+    return made;
   }
 
   // All distance fields in one texture: three a row along x, the rows along z.
@@ -46,16 +52,11 @@ export class Context {
     const { names, fields, grid: [nx, ny, nz] } = this.shapes;
     if (!names.length) return;
     gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
-    gl.texStorage3D(gl.TEXTURE_3D, 1, gl.R16F, nx * Math.min(names.length, 3), ny, nz * Math.ceil(names.length / 3));
+    this.texture(gl.TEXTURE_3D, gl.R16F, [nx * Math.min(names.length, 3), ny, nz * Math.ceil(names.length / 3)], gl.LINEAR, Array(3).fill(gl.CLAMP_TO_EDGE));
     fields.forEach((field, k) => {
       const [x, z] = [nx * (k % 3), nz * Math.floor(k / 3)];
       gl.texSubImage3D(gl.TEXTURE_3D, 0, x, 0, z, nx, ny, nz, gl.RED, gl.FLOAT, field);
     });
-    for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
-      gl.texParameteri(gl.TEXTURE_3D, axis, gl.CLAMP_TO_EDGE);
-    }
-    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
     gl.activeTexture(gl.TEXTURE0);
   }
 
@@ -146,10 +147,7 @@ export class Context {
     const framebuffer = gl.createFramebuffer();
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     const made = Array.from({ length: textures }, (_, k) => {
-      const texture = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, this.format, width, height);
-      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+      const texture = this.texture(gl.TEXTURE_2D, this.format, [width, height], gl.NEAREST);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + k, gl.TEXTURE_2D, texture, 0);
       return texture;
     });

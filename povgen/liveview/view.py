@@ -21,7 +21,7 @@ from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.shader import surroundings
 from povgen.validation import Model
 
-MOVABLE = {"eye", "alpha"}  # what the user can move in the view (povgen/liveview/moving.js)
+MOVABLE = {"eye", "alpha"}  # what the user can move in the view (povgen/liveview/main.js)
 Side = Annotated[int, Field(ge=32, le=7680)]
 
 

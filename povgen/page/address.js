@@ -1,10 +1,9 @@
 // The state in the page's address.
 
-import { inSeries, partsShown } from "./beyond.js";
 import { pick } from "./data.js";
 import { choose, LANGUAGES, spoken } from "./language.js";
 import { MOST_CHOICES, QUESTIONS, revealed, setOwn } from "./questions.js";
-import { change, CHOICES, OPENING, RANGES, session, START, state } from "./state.js";
+import { change, CHOICES, inSeries, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => String(Number(x.toPrecision(7)));
 export const SWITCHES = ["position", "circles", "image", "caption", "stray", "large"];

@@ -1,15 +1,13 @@
 // The panel of the questions: a class predicts, and the page then shows the answer.
 
-import { SWITCHES } from "./address.js";
+import { fromHash, SWITCHES, toHash } from "./address.js";
 import { $, element, pick, write } from "./data.js";
 import { refresh } from "./frame.js";
-import { say } from "./language.js";
-import { compared, dashedOutline, isMatched, matching, numbersOf } from "./dashedOutline.js";
-import { printed, readNumber } from "./numbers.js";
+import { percent, printed, readNumber, say } from "./language.js";
+import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask as textOf, choices, isAsked, QUESTIONS, revealed, why } from "./questions.js";
+import { ask as textOf, choices, isAsked, MOST_CHOICES, QUESTIONS, revealed, why } from "./questions.js";
 import { change, OPENING, session, state, WHOLE } from "./state.js";
-import { drawVotes } from "./votes.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 export function openQuestion(n) {
@@ -110,7 +108,7 @@ export function drawQuestion() {
   if (question !== drawnQuestion) {
     $("ask").textContent = textOf(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
     $("prediction").replaceChildren(...(question.match ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
-    drawVotes(question, choices(question));
+    drawVotes(question);
     drawnQuestion = question;
     asksForNumber = false;
   }
@@ -206,3 +204,62 @@ for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
     $("ask").focus();
   });
 }
+
+// ---- The votes of a class, before and after it has discussed a question: a number for each choice, and bars ----
+
+const votes = new Map();  // the questions, and for each one or two lists of votes
+
+function drawVotes(question) {
+  const offers = choices(question), none = () => offers.map(() => 0);
+  if (!offers) return $("votes").replaceChildren();
+  const rounds = votes.get(question) ?? votes.set(question, [none()]).get(question), given = rounds.at(-1);
+  const rows = offers.map((choice, k) => {
+    const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field", ariaLabel: say("asking.votes_for", { choice }) });
+    field.addEventListener("input", () => {
+      given[k] = Math.max(0, Math.round(Number(field.value)) || 0);
+      show();
+    });
+    const bars = rounds.map(() => element("i")), share = element("output", { ariaLive: "off" });  // the field says the number
+    return { row: element("label", {}, element("span", {}, choice), field, element("span", { className: "track" }, ...bars), share), bars, share };
+  });
+  const show = () => rows.forEach(({ bars, share }, k) => {
+    const shares = rounds.map((round) => round[k] / round.reduce((sum, x) => sum + x, 0) || 0);
+    bars.forEach((bar, m) => (bar.style.width = `${100 * shares[m]}%`));
+    share.textContent = rounds.flat().some(Boolean) ? shares.map(percent).join(" → ") : "";
+  });
+  const again = element("button", { type: "button", textContent: say("asking.vote_again"), hidden: rounds.length > 1 });
+  again.addEventListener("click", () => {
+    rounds.push(none());
+    drawVotes(question);
+    $("votes").querySelector("input").focus();
+  });
+  $("votes").replaceChildren(...rows.map(({ row }) => row), again);
+  show();
+}
+
+// ---- A question of a teacher's own, in a link ----
+
+const views = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
+const address = () => toHash().replace(/&(question|own|language)=[^&]*/g, "");
+
+for (const [id, part] of Object.entries({ start: "before", end: "after" })) {
+  $(`own-${id}`).addEventListener("click", () => {
+    views[part] = address();
+    $(`own-${id}`).setAttribute("aria-pressed", true);
+  });
+}
+
+$("own").addEventListener("submit", (event) => {
+  event.preventDefault();
+  const lines = (id) => $(id).value.split("\n").map((line) => line.trim()).filter(Boolean);
+  const texts = { ask: lines("own-text").join(" "), choices: lines("own-choices"), why: lines("own-why").join(" ") };
+  const complete = texts.ask && texts.choices.length > 1 && texts.choices.length <= MOST_CHOICES;
+  $("own-message").textContent = complete ? "" : say("asking.own_missing", { most: MOST_CHOICES });
+  if (!complete) return $("own-text").focus();
+  const question = { ...texts, before: views.before || address(), after: views.after || address() };
+  openQuestion(-1);
+  session.own_question = "";  // the same one is asked anew
+  fromHash(`${question.before}&own=${encodeURIComponent(JSON.stringify(question))}`);
+  refresh();
+  $("ask").focus();
+});

@@ -2,18 +2,16 @@
 
 import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
-import { chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, replace } from "./beyond.js";
 import { abs, finite, minus } from "./complex.js";
 import { $, clamped, data, element } from "./data.js";
 import { on, refresh } from "./frame.js";
-import { choose, entry, fill, LANGUAGES, localised, marked, say, spoken } from "./language.js";
+import { angle, brief, choose, entry, fill, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, unitText } from "./language.js";
 import { appearance, moment } from "./moment.js";
-import { angle, brief, placeText, point, prismsText, quantity, readNumber, size, unitText } from "./numbers.js";
 import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { BEHIND_PRISMS, change, RANGES, session, state, WHOLE } from "./state.js";
+import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.
@@ -209,9 +207,6 @@ export function showInputs(now) {
 function put(id, x) {
   if ($(id) !== session.typing) $(id).value = typed(x);
 }
-
-// What a word means is spoken when it is shown.
-for (const part of document.querySelectorAll(".explained")) part.addEventListener("toggle", ({ newState }) => newState === "open" && part.focus());
 
 // ---- Numbers ----
 

@@ -1,15 +1,12 @@
 // The diagram: figure 5(b) and (c) of the paper. It has the paper's orientation, with L = 0 and E = 1, or the picture's.
 
 import { radians } from "../liveview/geometry.js";
-import { isGeneral } from "./beyond.js";
 import { abs, arg, conj, finite, minus, plus, scaled, times, turn } from "./complex.js";
 import { $, clamped } from "./data.js";
 import * as equations from "./equations.js";
-import { say } from "./language.js";
-import { angle, fixed, point, size } from "./numbers.js";
-import { branches, curve, dot, heading, line, step, svg, vector, words } from "./shapes.js";
-import { session, state } from "./state.js";
-import { corner, corners, triangle } from "./triangle.js";
+import { angle, fixed, point, say, size } from "./language.js";
+import { branches, corner, corners, curve, dot, heading, line, step, svg, triangle, vector, words } from "./shapes.js";
+import { isGeneral, session, state } from "./state.js";
 
 const diagram = $("diagram");
 

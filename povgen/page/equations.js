@@ -25,18 +25,11 @@ function spacing(x) {
 // The point where light from L = 0 crosses the sheet on its way to E = 1: eq. 7.
 export const P = (r, alpha) => quotient([1, 0], sum(1, r, alpha));
 
-// E - P for L = 0, E = 1.
-export const oneMinusP = (r, alpha) => quotient([r, 0], sum(r, 1, -alpha));
-
-// The angle by which an object appears rotated about E: arg(1 - P), eq. 8 corrected.
-// It is NaN at the pole, where P is infinite.
-export function nu(r, alpha) {
-  const inverse = sum(r, 1, -alpha);
-  return abs(inverse) === 0 ? NaN : -arg(inverse);
-}
+// The angle by which an object appears rotated about E: arg(1 - P), eq. 8 corrected. It is NaN at the pole, where P is infinite.
+export const nu = (r, alpha) => turned(1, r, alpha).nu;
 
 // The magnification of an object, compared with the object in the plane of the sheet: |1 - P|, eq. 9 corrected.
-export const M = (r, alpha) => abs(oneMinusP(r, alpha));
+export const M = (r, alpha) => turned(1, r, alpha).M;
 
 // The complex depth Z of an object: L - E = Z s for light with the slope s at the eye. `behind` are the windows behind the
 // first one: the distance from the window before, and the angle. povgen/optics/equations.py
@@ -61,7 +54,7 @@ export function position(L, E, z1, z2, alpha, prisms = [], behind = []) {
 }
 
 // The angle by which an object appears rotated, NaN if it has none, and its magnification: apparent.nu_and_M.
-export function turned(z1, z2, alpha, prisms, behind) {
+export function turned(z1, z2, alpha, prisms = [], behind = []) {
   const { A, B, area } = depths(z1, z2, alpha, prisms, behind);
   return { nu: abs(A) > abs(B) ? -arg(A) : NaN, M: area === 0 ? Infinity : (z2 * Math.max(abs(A), abs(B))) / Math.abs(area) };
 }

@@ -1,10 +1,9 @@
 // What a lesson takes away: a link with its QR code, a frame for another page, a recorded movement, a printed page.
 
 import { toHash } from "./address.js";
-import { drawOther } from "./compare.js";
 import { $, element } from "./data.js";
 import { say } from "./language.js";
-import { savedAs, view } from "./picture.js";
+import { drawOther, savedAs, view } from "./picture.js";
 import { qr } from "./qr.js";
 import { svg } from "./shapes.js";
 

@@ -3,11 +3,9 @@
 import { radians, shape } from "../liveview/geometry.js";
 import { linear } from "./apparent.js";
 import { abs, arg, minus } from "./complex.js";
-import { contents, SHOWN } from "./contents.js";
 import { data } from "./data.js";
-import { entry, forms, listed, percent, say } from "./language.js";
-import { imagingPole, possibleError } from "./moment.js";
-import { angle, brief, fixed, placeText, rough, tilesText } from "./numbers.js";
+import { angle, brief, entry, fixed, forms, listed, percent, placeText, rough, say, tilesText } from "./language.js";
+import { contents, imagingPole, possibleError, SHOWN } from "./moment.js";
 import { lightInWindow } from "./rays.js";
 import { state } from "./state.js";
 

@@ -4,17 +4,16 @@ import { still } from "../liveview/readout.js";
 import { LiveView } from "../liveview/view.js";
 import { toHash } from "./address.js";
 import { openQuestion } from "./asking.js";
-import { replace } from "./beyond.js";
-import { drawOther, otherView } from "./compare.js";
 import { $, data, element } from "./data.js";
 import { on, refresh } from "./frame.js";
-import { say } from "./language.js";
-import { moment, sceneValues } from "./moment.js";
+import { percent, say } from "./language.js";
+import { moment, otherScene, sceneValues } from "./moment.js";
 import { outlinesOf } from "./outline.js";
 import { drawOverlay, overlay } from "./overlay.js";
+import { ofKind } from "./phrases.js";
 import { player } from "./player.js";
 import { svg } from "./shapes.js";
-import { OPENING, session, state } from "./state.js";
+import { change, OPENING, replace, session, state } from "./state.js";
 
 let failure = ["", ""];  // why there is no picture, and what the browser says
 
@@ -88,3 +87,48 @@ on("reset", "click", () => {
   replace(OPENING);
   player.reset();
 });
+
+// ---- Two settings side by side ----
+
+// To the right of a curtain across the picture, the window has other sheets. A second live view draws them. It is made when it is
+// first wanted.
+
+/** @type {LiveView | null} */
+let other = null;
+let sky = null;  // the picture in the place of the mountains
+export const otherView = () => other;
+
+export function drawCompare(now) {
+  const on = state.compare !== "off";
+  for (const id of ["curtain", "curtain-line", "other-view", "curtain-names"]) $(id).hidden = !on;
+  $("compare").value = state.compare;
+  if (!on) return;
+  const scene = otherScene(now);
+  if (!other) {
+    other = new LiveView($("other-view"), { ...scene, pictures: data.scenes.chess.pictures }, data.volumes);
+    other.ready.then(() => sky && other.setSky(sky));
+  } else other.set(scene);
+  $("stage").style.setProperty("--curtain", session.curtain);
+  $("curtain").value = 100 * session.curtain;
+  const left = ofKind(now.sheet, "choice", data.kinds[now.sheet]), right = ofKind(state.compare, "choice");
+  $("name-left").textContent = left;
+  $("name-right").textContent = right;
+  $("curtain").setAttribute("aria-valuetext", say("compare.shares", { left, right, part: percent(session.curtain), rest: percent(1 - session.curtain) }));
+}
+
+// Show a picture in the place of the mountains, as LiveView.setSky does.
+export function setOtherSky(picture) {
+  sky = picture;
+  other?.setSky(picture);
+}
+
+// Draw what is to the right of the curtain, for a picture's file.
+export function drawOther(pen, { width, height }) {
+  if (state.compare === "off" || !other?.gl) return;
+  const left = Math.round(session.curtain * width), { canvas } = other;
+  other.context.repaint();
+  pen.drawImage(canvas, session.curtain * canvas.width, 0, (1 - session.curtain) * canvas.width, canvas.height, left, 0, width - left, height);
+}
+
+on("compare", "change", () => change({ compare: $("compare").value }));
+on("curtain", "input", () => (session.curtain = $("curtain").value / 100));

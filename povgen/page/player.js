@@ -1,11 +1,9 @@
 // The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
-import { chosenBeyond, replace, usesAlpha } from "./beyond.js";
 import { $, clamped, data, element, write } from "./data.js";
 import { refresh } from "./frame.js";
-import { say } from "./language.js";
-import { brief, quantity, SYMBOL } from "./numbers.js";
-import { change, OPENING, START, state } from "./state.js";
+import { brief, quantity, say, SYMBOL } from "./language.js";
+import { change, chosenBeyond, OPENING, replace, START, state, usesAlpha } from "./state.js";
 
 const SLOWER = 4;  // how many times as long a movie takes, if it is to be slow
 export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");

@@ -3,13 +3,11 @@
 import { prism, radians } from "../liveview/geometry.js";
 import { windows } from "../liveview/sheets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
-import { BEYOND } from "./beyond.js";
 import { data } from "./data.js";
 import * as equations from "./equations.js";
-import { entry, forms, say } from "./language.js";
-import { brief, fixed } from "./numbers.js";
+import { brief, entry, fixed, forms, say } from "./language.js";
 import { turnedBy } from "./phrases.js";
-import { OPENING, START, state } from "./state.js";
+import { BEYOND, OPENING, START, state } from "./state.js";
 
 const UP = {
   scene: "chess", sheet: "ideal", windows: 1, piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L,

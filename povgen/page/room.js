@@ -1,9 +1,8 @@
 // The user's own room in the place of the mountains: a photo, or the camera's picture. Nothing leaves the page.
 
-import { setOtherSky } from "./compare.js";
 import { $, element } from "./data.js";
 import { say } from "./language.js";
-import { view } from "./picture.js";
+import { setOtherSky, view } from "./picture.js";
 
 const WIDTH = 2048;    // pixels of the picture of all directions, which is half as high
 const FIELD = 100;     // degrees: the width of a plain photo, as the room shows it

@@ -4,19 +4,17 @@
 import * as geometry from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPrisms } from "../liveview/sheets.js";
-import { passage } from "./trace.js";
 import { abs, finite, minus, plus, scaled, turn } from "./complex.js";
-import { seenAt, SHOWN } from "./contents.js";
 import { $, clamped, data } from "./data.js";
-import { fieldRays, hasField, perpendicularLoop } from "./field.js";
 import { refresh } from "./frame.js";
-import { say } from "./language.js";
-import { angle, brief, tilesText } from "./numbers.js";
+import { angle, brief, say, tilesText } from "./language.js";
+import { seenAt, SHOWN } from "./moment.js";
 import { outlineOf } from "./outline.js";
 import { imagePlace, lightShares, thing } from "./phrases.js";
-import { at, bundle, meeting } from "./rays.js";
+import { at, bundle, fieldRays, hasField, meeting, perpendicularLoop } from "./rays.js";
 import { along, arrowhead, dot, heading, line, svg, words } from "./shapes.js";
 import { FLOOR, session, state } from "./state.js";
+import { passage } from "./trace.js";
 
 const space = $("space"), box = $("space-box"), stage = $("stage");
 const LONGEST = 16;  // tiles: what is longer is drawn shorter

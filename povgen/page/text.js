@@ -1,16 +1,15 @@
 // What the page says of what is seen, in sentences.
 
-import { kinds, usesAlpha } from "./beyond.js";
-import { imageSentence, work } from "./beyondText.js";
-import { finite } from "./complex.js";
-import { contents } from "./contents.js";
+import * as geometry from "../liveview/geometry.js";
+import { bending } from "../liveview/sheets.js";
+import { fieldOf, imageDepth } from "./apparent.js";
+import { abs, arg, finite, minus, quotient } from "./complex.js";
 import { $, data } from "./data.js";
-import { entry, forms, listed, say } from "./language.js";
-import { frameDepth, outside, unsure } from "./moment.js";
-import { angle, brief, briefly, prismsText, quantity, SYMBOL, tilesText, timesText } from "./numbers.js";
-import { absent, bare, doubt, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
+import { angle, brief, briefly, entry, forms, listed, prismsText, quantity, say, SYMBOL, tilesText, timesText } from "./language.js";
+import { contents, frameDepth, outside, unsure } from "./moment.js";
+import { absent, bare, doubt, imagePlace, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
-import { session, state } from "./state.js";
+import { kinds, RANGES, session, state, usesAlpha } from "./state.js";
 
 // What is seen, in a sentence or two. While a question is asked, the class is to find it.
 export function explanation(now) {
@@ -114,4 +113,55 @@ export function caption(now) {
   if (!now.two && !now.Z) return parts;
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
   return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`];
+}
+
+// ---- What sheets beyond the paper do ----
+
+const REAL = 0.02;  // tiles: an imaginary part of Z below this blurs an image by less than the height of one of 100 prisms
+
+// What sheets beyond the paper do, and where the image is.
+function work(now) {
+  const [window, second] = now.windows, { values } = window, does = sentence(window);
+  if (second) return [say("seen.first_and_second", { first: does, second: sentence(second) }), ...image(now)].join(" ");
+  if (now.lenses) {
+    const field = angle(Math.atan(fieldOf(values)));
+    return `${values.ratio === 1 ? does : sentence(window, "sentence_ratio")} ${ofKind("lenticular", "remark", { field })}`;
+  }
+  const turned = rotationBy(bending(window));
+  if (turned !== null) return Math.abs(turned) < 1e-9 ? say("seen.does_nothing") : `${does} ${say("seen.papers_window")}`;
+  return [does, ...(entry(`kinds.${now.sheet}.remark`) ? [ofKind(now.sheet, "remark")] : []), ...image(now)].join(" ");
+}
+
+// What the sheet in a window does.
+const sentence = ({ sheet, values }, part = "sentence") => ofKind(sheet, part, {
+  ...Object.fromEntries(Object.keys(data.parameters).map((name) => [name, briefly(name, values[name])])),
+  "alpha/2": briefly("alpha", values.alpha / 2),
+});
+
+// Where the image is, if there is one.
+function image(now) {
+  const W = imageDepth(now.windows, now.z1);
+  const place = Number.isFinite(W) ? imagePlace(W, now.z2, now.d ? "first_window" : "window") : say("image.infinite");
+  return Number.isNaN(W) ? [] : [say("image.is", { thing: thing(), place })];
+}
+
+// The angle by which a sheet turns all light about its normal; null if it does something else.
+function rotationBy(bend) {
+  const rays = [[[0.3, 0.1], [0, 0]], [[-0.5, 0.4], [0.7, -0.2]], [[0.2, -0.6], [-0.4, 0.9]]];
+  const [first, ...others] = rays.map(([slope, place]) => quotient(bend(slope, place) ?? [NaN, NaN], slope));
+  const same = Math.abs(abs(first) - 1) < 1e-9 && others.every((other) => abs(minus(other, first)) < 1e-9);
+  return same ? arg(first) : null;
+}
+
+// Whether two windows that rotate light form an image, and where. Z - z2 is the image's distance behind the first window, if it is real: docs/beyond.md.
+function imageSentence({ scene, Z, z1, z2, total }) {
+  if (Math.abs(Z[1]) <= REAL) {
+    const W = Z[0] - z2;
+    if (Math.abs(W) < REAL) return say("image.real_in_window");
+    return say("image.real", { place: imagePlace(W, z2, "first_window") });
+  }
+  const imaged = z1 + Z[1] / Math.sin(total);  // where Z is real
+  const least = geometry.depth(scene) / 2 + (scene.name === "chess" ? data.pedestals[state.piece] : 0);
+  const instead = imaged > least && imaged < RANGES.z1[1] ? ` ${say("image.instead", { z1: brief(imaged) })}` : "";
+  return say("image.none", { thing: thing() }) + instead;
 }
