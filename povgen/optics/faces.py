@@ -33,6 +33,8 @@ class Face(IntEnum):
     FAR = 4
 
 
+# of each `Face`: on which side along z the slanted facet is, and u of the normal of the others
+SIDE, UP = np.array([0.0, 0, -1, 0, 1]), np.array([0.0, -1, 0, 1, 0])
 BORDER = 255  # in place of a face: the border between two cells of a profile
 ROUNDING = 1e-12  # periods, or radii of arcs: by how much a ray may miss the end of an edge
 
@@ -88,21 +90,18 @@ class _Cells:
 class Prisms(_Cells):
     """The shapes of the prisms in sheets.
 
-    If all sheets have the same shape, each field but the normals is a number. Otherwise it is an array with a value for
-    each sheet, or, in a result of `at`, for each ray.
+    If all sheets have the same shape, each field is a number, or a pair of numbers. Otherwise it is an array with a
+    value for each sheet, or, in a result of `at`, for each ray.
     """
 
     pitch: Floats
     height: Floats
     half: Floats  # of the length
     index: Floats
-    cosine: Floats  # of the base angle
-    sine: Floats
     first: Floats  # y of the base of prism 0
-    row: Indices  # in `normal_u` and `normal_z`
-    # the faces' outward normals: for each shape of prisms, in the order of `Face`
-    normal_u: Floats
-    normal_z: Floats
+    cosine: Floats  # of the angle between the base and the slanted facets
+    sine: Floats
+    far: tuple[Floats, Floats] | None = None  # cosine and sine of the far facet, if it has another angle
 
     @classmethod
     def of(cls, shapes: list[Prism], window: float) -> "Prisms":
@@ -113,29 +112,23 @@ class Prisms(_Cells):
         pitch, height, half, index, gap = np.array(
             [(prism.pitch, prism.height, prism.length / 2, prism.index, prism.gap) for prism in shapes]
         ).T
-        first = -window / 2 + gap * pitch / 2
-        c, s = np.cos(base), np.sin(base)
-        none = np.zeros_like(c)
-        normals = np.stack((none, none - 1, c, none + 1, c), -1), np.stack((none, none, -s, none, s), -1)
-        found = (pitch, height, half, index, c, s, first, np.arange(len(shapes)))
+        found = (pitch, height, half, index, -window / 2 + gap * pitch / 2, np.cos(base), np.sin(base))
         numbers: list[Any] = [values if len(shapes) > 1 else values[0] for values in found]
-        return cls(*numbers, *normals)  # type: ignore[call-arg]
+        return cls(*numbers)
 
     def at(self, sheet: Indices, cell: Floats | None = None) -> Self:
         """Return the shape of the prisms for each ray. `sheet` is the number of its sheet, from 0, `cell` its prism."""
         if not np.ndim(self.pitch):
             return self
-        own = [field.name for field in fields(Prisms) if not field.name.startswith("normal")]
+        own = ("pitch", "height", "half", "index", "first", "cosine", "sine")
         return replace(self, **{name: getattr(self, name)[sheet] for name in own})
 
     def normals(self, face: Indices, u: Floats, z: Floats) -> tuple[Floats, Floats]:
         """Return u and z of the faces' outward normals at the places of rays."""
-        return self.normal_u[self.row, face], self.normal_z[self.row, face]
-
-    @property
-    def slants(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-        """Cosine and sine of the angle between the base and the facet: of the near one, and of the far one."""
-        return (self.cosine, self.sine), (self.cosine, self.sine)
+        side, c, s = SIDE[face], self.cosine, self.sine
+        if self.far:
+            c, s = np.where(side < 0, (c, s), self.far)
+        return np.where(side == 0, UP[face], c), side * s
 
     def _facets(self, u: Floats, z: Floats, dy: Floats, dz: Floats) -> list[tuple[Face, Floats, Floats]]:
         """Return for each slanted facet: the `Face`, the component of the direction along its outward normal, and t.
@@ -143,7 +136,8 @@ class Prisms(_Cells):
         A ray meets the facet's plane at its place plus t times its direction.
         """
         found = []
-        for face, side, (cosine, sine) in zip((Face.NEAR, Face.FAR), (-1, 1), self.slants, strict=True):
+        near = self.cosine, self.sine
+        for face, side, (cosine, sine) in ((Face.NEAR, -1, near), (Face.FAR, 1, self.far or near)):
             along = cosine * dy + side * sine * dz
             found.append((face, along, (sine * self.half - cosine * u - side * sine * z) / along))
         return found
@@ -180,7 +174,7 @@ class Prisms(_Cells):
         return np.where(side <= t, side, t), np.where(side <= t, Face.NONE, face)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class UnequalPrisms(Prisms):
     """Prisms whose single facets differ from the planned angle, and whose heights differ from the planned height."""
 
@@ -190,7 +184,6 @@ class UnequalPrisms(Prisms):
     angles: Floats  # of each prism's near and far facet to the base, radians: (sheets, prisms, 2)
     lowest: Indices  # the number of the first of these prisms in each sheet, (sheets,)
     sheet: Indices | None = None  # of each ray
-    own: tuple[tuple[Floats, Floats], tuple[Floats, Floats]] = ((np.empty(0), np.empty(0)),) * 2  # as `slants`
 
     @classmethod
     def of_sheets(cls, sheets: tuple[GlassSheet, ...], shapes: list[Prism], window: float) -> "UnequalPrisms":
@@ -208,9 +201,10 @@ class UnequalPrisms(Prisms):
         if cell is None:
             return found
         k = found._row(cell)
-        near, far = zip(np.cos(self.angles[sheet, k].T), np.sin(self.angles[sheet, k].T), strict=True)
+        (cosine, far_cosine), (sine, far_sine) = np.cos(self.angles[sheet, k].T), np.sin(self.angles[sheet, k].T)
         pitch = self.bottoms[sheet, k + 1] - self.bottoms[sheet, k]
-        return replace(found, own=(near, far), pitch=pitch, height=pitch - (found.pitch - found.height))
+        height, far = pitch - (found.pitch - found.height), (far_cosine, far_sine)
+        return replace(found, pitch=pitch, height=height, cosine=cosine, sine=sine, far=far)
 
     def cell_of(self, v: Floats) -> tuple[Floats, Floats]:
         cell = np.empty(len(v))
@@ -225,15 +219,6 @@ class UnequalPrisms(Prisms):
     def _row(self, cell: Floats) -> Indices:
         """Return the indices of the rays' prisms in the arrays. No ray is followed beyond the last prism."""
         return np.clip(cell.astype(int) - self.lowest[self.sheet], 0, self.angles.shape[1] - 1)
-
-    @property
-    def slants(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-        return self.own
-
-    def normals(self, face: Indices, u: Floats, z: Floats) -> tuple[Floats, Floats]:
-        (near_c, near_s), (far_c, far_s) = self.own
-        which = [face == Face.BASE, face == Face.TOP, face == Face.NEAR]
-        return np.select(which, [-1.0, 1.0, near_c], far_c), np.select(which, [0.0, 0.0, -near_s], far_s)
 
 
 @dataclass(frozen=True)

@@ -224,10 +224,10 @@ class _Trace:
         air = self.enter(np.arange(len(self.x)))
         glass = air[:0]
         while len(air) or len(glass):
-            entering, reflected, leaving = self.cross_air(air)
+            entering, reflected, leaving = self.cross(air, out=False)
             glass = np.concatenate((glass, entering))
             air = np.concatenate((reflected, self.change_sheet(leaving)))
-            leaving, glass = self.cross_glass(glass)
+            leaving, glass, _ = self.cross(glass, out=True)
             air = np.concatenate((air, leaving))
 
     def enter(self, i: Indices) -> Indices:
@@ -288,21 +288,23 @@ class _Trace:
         """End the rays that have met the greatest number of faces. Return the others."""
         return self.without_ended(i, self.rays.count[i] == self.most, End.UNFINISHED)
 
-    def cross_air(self, i: Indices) -> tuple[Indices, Indices, Indices]:
-        """Take rays from the air to the next face.
+    def cross(self, i: Indices, out: bool) -> tuple[Indices, Indices, Indices]:
+        """Take rays to the next face: with `out` rays in the glass, otherwise rays in the air.
 
-        Return those that enter glass, those that stay in the air, and those that leave the sheet.
+        Return those that leave the glass or enter it, those that stay where they are, and those that leave the sheet.
         """
         glass = self.glass.at(self.sheet[i], self.cell[i])
-        i, face = self.advance(i, *glass.way_in(self.u[i], self.z[i], self.dy[i], self.dz[i]))
+        way = glass.way_out if out else glass.way_in
+        i, face = self.advance(i, *way(self.u[i], self.z[i], self.dy[i], self.dz[i]))
         i, face, onward = self.cross_borders(i, face)
         meets = face != Face.NONE
         i, leaving, face = i[meets], i[~meets], face[meets]
-        reflected = self.bend(i, face, 1 / self.glass.at(self.sheet[i]).index)
+        index = self.glass.at(self.sheet[i]).index
+        reflected = self.bend(i, face, index if out else 1 / index)
         if not self.borders:
-            above = i[~reflected & (face == Face.BASE)]
-            self.cell[above] += 1
-            self.u[above] = 0
+            through = i[~reflected & (face == Face.BASE)]
+            self.cell[through] += -1 if out else 1
+            self.u[through] = self.glass.at(self.sheet[through], self.cell[through]).pitch if out else 0
         staying = np.concatenate((onward, self.without_unfinished(i[reflected])))
         return self.without_unfinished(i[~reflected]), staying, leaving
 
@@ -334,19 +336,6 @@ class _Trace:
         step = np.maximum((z - position[:, 2]) / direction[:, 2], 0)
         x, y, _ = abs(position + step[:, None] * direction).T
         return np.asarray(np.maximum(x, y) > self.half_window)
-
-    def cross_glass(self, i: Indices) -> tuple[Indices, Indices]:
-        """Take rays in the glass to the next face. Return those that leave the glass and those that stay in it."""
-        glass = self.glass.at(self.sheet[i], self.cell[i])
-        i, face = self.advance(i, *glass.way_out(self.u[i], self.z[i], self.dy[i], self.dz[i]))
-        i, face, onward = self.cross_borders(i, face)
-        reflected = self.bend(i, face, self.glass.at(self.sheet[i]).index)
-        if not self.borders:
-            below = i[~reflected & (face == Face.BASE)]
-            self.cell[below] -= 1
-            self.u[below] = self.glass.at(self.sheet[below], self.cell[below]).pitch
-        staying = np.concatenate((onward, self.without_unfinished(i[reflected])))
-        return self.without_unfinished(i[~reflected]), staying
 
     def cross_borders(self, i: Indices, face: Indices) -> tuple[Indices, Indices, Indices]:
         """Take rays at a border into the next cell. Return the rays at faces, these faces, and the rays at borders."""
