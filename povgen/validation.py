@@ -61,9 +61,6 @@ class Model(BaseModel):
     def __hash__(self) -> int:
         return hash((type(self), *(_hashable(getattr(self, name)) for name in type(self).model_fields)))
 
-    def __delattr__(self, name: str) -> None:
-        raise InputError(f"{name}: values never change; allowed: a copy, .replace({name}=...)")
-
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy: with an update, what `replace` returns. Raises InputError."""
         return self.replace(**update) if update else super().model_copy(deep=deep)

@@ -175,10 +175,7 @@ def pencil(
     is nearest to the point. `seed`, a whole number, is that of the random numbers. When the first bundle is taken,
     raises ValueError for a point between the windows, and for numbers outside their ranges.
     """
-    try:
-        start = real("point", point)
-    except (TypeError, ValueError, OverflowError):
-        start = np.empty(0)
+    start = _numbers("point", point)
     if start.shape != (3,) or not (abs(start) <= LARGEST).all():
         raise ValueError(f"point = {point!r}: allowed: x, y and z, from -{LARGEST:g} to {LARGEST:g}, in tiles")
     first, last = windows[0][0], windows[-1][0]

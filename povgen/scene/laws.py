@@ -57,7 +57,7 @@ def _functions(number: int, window: Placed) -> Functions:
             # not Own_k_2 for k of window 2: this is the name of a parameter k_2 of window 1
             names[name] = f"Own{number if number > 1 else ''}_{name}"
             lines.append(Line(names[name], value, f"{name} in the law{where}"))
-    return Functions(number, sheet, lines, sheet.law.expressions(lambda name: names.get(name, name)))
+    return Functions(number, sheet, lines, sheet.law.expressions(names))
 
 
 def _about(parameter: Parameter, name: str) -> str:
@@ -101,7 +101,7 @@ def _text(name: str, law: Law, parameters: tuple[Parameter, ...] = ()) -> Text:
     return Text(
         name,
         numbers,
-        law.constants(lambda each: {**maths, **given}.get(each, each)),
-        law.with_constants(lambda each: {f"c{k}": f"constants[at + {k}]" for k in range(count)}.get(each, each)),
-        law.with_constants(lambda each: {**maths, **{f"c{k}": f"c[{k}]" for k in range(count)}}.get(each, each)),
+        law.constants(maths | given),
+        law.with_constants({f"c{k}": f"constants[at + {k}]" for k in range(count)}),
+        law.with_constants(maths | {f"c{k}": f"c[{k}]" for k in range(count)}),
     )

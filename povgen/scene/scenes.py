@@ -4,6 +4,7 @@ Lengths and angles are as in `povgen.scene.model`. z1 is the distance of an obje
 window.
 """
 
+import time
 from cmath import isfinite
 from collections.abc import Iterable, Sequence
 from itertools import combinations, islice
@@ -16,17 +17,17 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, at_least, input_errors, one_line, shown
 from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot, trace_windows
-from povgen.record import Record, info
+from povgen.record import Record, in_use, info
 from povgen.scene import camera, checks, pictures
 from povgen.scene.fields import Z1, Aside, Colour, OneOrMore, PictureFile, PictureSize, PieceValue, Point, as_tuple, rgb
 from povgen.scene.pictures import Picture
 from povgen.scene.pieces import PIECES, PieceFile, radius
 from povgen.scene.predictions import Predicted
-from povgen.scene.recorded import scenes
 from povgen.scene.windows import Window
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import as_flag
 
+PATIENCE = 120  # CPU seconds in which a record's frames are checked; 10,000 frames of a window of prisms take 4
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 
 
@@ -405,8 +406,37 @@ SCENES = {scene.name: scene for scene in (Chess, Spheres)}
 def recorded(path: Any, kind: type[Scene] = Scene) -> tuple[Record, list[Any]]:  # noqa: ANN401  (any object)
     """Return the record in a file that povgen wrote, and the scene of every frame, of this class. Raises InputError."""
     record = info(path)
-    known = {**SCENES, **({kind.name: kind} if hasattr(kind, "name") else {})}
     try:
-        return record, scenes(record, {name: scene for name, scene in known.items() if issubclass(scene, kind)})
+        return record, of_record(record, kind)
     except InputError as error:
         raise InputError(f"{str(path)!r}: its record, of povgen {one_line(record.povgen)[:20]}: {error}") from None
+
+
+def of_record(record: Record, kind: type[Scene] = Scene) -> list[Scene]:
+    """Return the scene of every frame of a record, of this class. Raises InputError.
+
+    The record can be a stranger's: every value is checked, and no file is read.
+    """
+    known = {**SCENES, **({kind.name: kind} if hasattr(kind, "name") else {})}
+    known = {name: scene for name, scene in known.items() if issubclass(scene, kind)}
+    made: list[Scene] = []
+    end = time.process_time() + PATIENCE
+    with in_use(record):
+        for values in record.values:
+            if time.process_time() > end:
+                count = f"{len(made)} of {len(record.frames)} were checked within {PATIENCE} s"
+                raise InputError(f"frames: {count}; allowed: frames that take less time")
+            name, windows = values.get("scene"), values.get("window", [])
+            if not isinstance(name, str) or name not in known:
+                raise InputError(f"scene = {shown(name)}: allowed: {', '.join(known)}")
+            if not (isinstance(windows, list) and all(isinstance(window, dict) for window in windows)):
+                raise InputError(f"window = {shown(windows)}: should be a list of tables")
+            own = {key: value for key, value in values.items() if key != "scene"}
+            made.append(known[name](**_without_index(own | {"window": [*map(_without_index, windows)]})))
+    return made
+
+
+def _without_index(window: dict[str, Any]) -> dict[str, Any]:
+    """Return the values of a scene or of a window without the index if a glass is named: it follows from the glass."""
+    named = window.get("glass") not in (None, "none")
+    return {name: value for name, value in window.items() if not (named and name == "index")}

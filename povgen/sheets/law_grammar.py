@@ -17,7 +17,7 @@ only if the z component of the new unit direction is above 1e-6. Light runs alon
 import ast
 import keyword
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -173,25 +173,25 @@ class Law:
         constants: list[ast.expr] = []
         return constants, [_Extract(constants).visit(_copy(part)) for part in self._parts]
 
-    def expressions(self, name: Callable[[str], str] = str) -> list[str]:
-        """Return the three expressions. Each name n in them, functions included, is replaced by `name(n)`."""
-        return [_written(part, name) for part in self._parts]
+    def expressions(self, names: Mapping[str, str] = {}) -> list[str]:
+        """Return the three expressions. `names` has what replaces names in them, also those of functions."""
+        return [_written(part, names) for part in self._parts]
 
-    def constants(self, name: Callable[[str], str] = str) -> list[str]:
+    def constants(self, names: Mapping[str, str] = {}) -> list[str]:
         """Return the parts of the law that contain a parameter and none of x, y, z, X and Y.
 
         Each part is as large as possible, and is returned once. Names in them are replaced as in `expressions`.
         """
-        return [_written(part, name) for part in self._extracted[0]]
+        return [_written(part, names) for part in self._extracted[0]]
 
     def constant_numbers(self, values: Mapping[str, float]) -> list[float]:
         """Return the values of the `constants`. `values` has the parameters' values by name."""
         with np.errstate(all="ignore"):
             return [float(number) for number in _evaluated(_compiled(self._extracted[0]), values)]
 
-    def with_constants(self, name: Callable[[str], str] = str) -> list[str]:
+    def with_constants(self, names: Mapping[str, str] = {}) -> list[str]:
         """Return the three expressions with the names c0, c1, ... in place of the `constants`."""
-        return [_written(part, name) for part in self._extracted[1]]
+        return [_written(part, names) for part in self._extracted[1]]
 
 
 class _Reader:
@@ -281,14 +281,6 @@ class _Extract(ast.NodeTransformer):
         return ast.Name(f"c{texts.index(ast.unparse(node))}", ast.Load())
 
 
-class _Rename(ast.NodeTransformer):
-    def __init__(self, name: Callable[[str], str]) -> None:
-        self.name = name
-
-    def visit_Name(self, node: ast.Name) -> ast.Name:
-        return ast.Name(self.name(node.id), node.ctx)
-
-
 class _Numpy(ast.NodeTransformer):
     """Wrap every number in numpy's abs. The result is a number of numpy, for which 1/0 is infinite.
 
@@ -329,5 +321,9 @@ def _of_the_ray(node: ast.AST) -> bool:
     return any(isinstance(each, ast.Name) and each.id in RAY for each in ast.walk(node))
 
 
-def _written(node: ast.expr, name: Callable[[str], str]) -> str:
-    return ast.unparse(_Rename(name).visit(_copy(node)))
+def _written(node: ast.expr, names: Mapping[str, str]) -> str:
+    copy = _copy(node)
+    for each in ast.walk(copy):
+        if isinstance(each, ast.Name):
+            each.id = names.get(each.id, each.id)
+    return ast.unparse(copy)

@@ -18,8 +18,7 @@ from povgen.cli import options as cli_options
 from povgen.liveview.values import values as live_values
 from povgen.rendering import povray
 from povgen.scene import mesh, pictures, pieces
-from povgen.scene import recorded as recorded_scenes
-from povgen.scene.scenes import SCENES as SCENE_CLASSES
+from povgen.scene import scenes as scene_module
 from povgen.version import __version__
 from povgen.video import still
 
@@ -273,12 +272,12 @@ def test_each_file_in_a_record_is_checked_once(made, tmp_path, monkeypatch):
         pieces={"mine": PIECE, "own.toml": shape},
         pictures={"a": png, "b": png},
     )
-    scenes = recorded_scenes.scenes(record, SCENE_CLASSES)
+    scenes = scene_module.of_record(record)
     assert [scene.z1 for scene in scenes] == [2, 3, 4] and scenes[0].piece[0] is scenes[2].piece[2]
     assert sorted(calls) == ["_decoded", "_decoded", "checked", "loads"]
-    monkeypatch.setattr(recorded_scenes, "PATIENCE", -1)
+    monkeypatch.setattr(scene_module, "PATIENCE", -1)
     with pytest.raises(InputError, match="frames: 0 of 3 were checked within -1 s; allowed: "):
-        recorded_scenes.scenes(record, SCENE_CLASSES)
+        scene_module.of_record(record)
 
 
 def test_a_time_limit_is_no_part_of_a_record(made):
