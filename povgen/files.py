@@ -15,7 +15,6 @@ from povgen.stopping import removed
 
 PREFIX = "povgen-"  # of the names of temporary folders; those of unfinished files also begin with a dot
 NO_ROOM = errno.ENOSPC, errno.EDQUOT, errno.EFBIG  # of a disk, of a user's quota, and of ulimit -f
-NO_INODES = "no inodes left, which means too many files (df -i)"
 
 
 def own_folder(name: str) -> Path:
@@ -120,22 +119,14 @@ def temporary_folder(parent: Path | None = None) -> Iterator[Path]:
             yield folder
         except OSError as error:
             if error.errno in NO_ROOM:
-                no_inodes = error.errno == errno.ENOSPC and _has_no_inodes(parent)
-                error.strerror = NO_INODES if no_inodes else error.strerror
                 error.filename = error.filename or str(parent)
             raise
 
 
 def is_full(folder: Path, size: int = 2**16) -> bool:
-    """Return whether a folder's file system has no room for `size` bytes, or for one more file."""
+    """Return whether a folder's file system has no room for `size` bytes."""
     disk = os.statvfs(folder)
-    return disk.f_bavail * disk.f_frsize < size or _has_no_inodes(folder)
-
-
-def _has_no_inodes(folder: Path) -> bool:
-    """Return whether a folder's file system can hold no more files. Some file systems have no such limit."""
-    disk = os.statvfs(folder)
-    return disk.f_files > 0 and not disk.f_favail
+    return disk.f_bavail * disk.f_frsize < size
 
 
 def read_bytes(path: str, most: int) -> bytes:

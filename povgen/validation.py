@@ -153,10 +153,6 @@ def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterat
         yield
     except ValidationError as error:
         raise InputError(_message(model, values, error.errors()[0])) from None
-    except TypeError as error:
-        if str(error) != "keywords must be strings":  # Python's words for a dictionary with a key that is no text
-            raise
-        raise InputError(f"{error}; allowed: the names of parameters, as in help()") from None
 
 
 def has_boolean(value: object) -> bool:

@@ -202,9 +202,6 @@ def solved(first: Floats, second: Floats, to: Complexes) -> Complexes:
     size = (abs(first) + abs(second)).max((-2, -1), keepdims=True)
     maps = np.where(abs(first + second) <= 1e-14 * size, 0, first + second)
     maps, right = np.broadcast_to(maps, (*to.shape, 2, 2)), np.stack((to.real, to.imag), -1)[..., None]
-    # all are divided by the same power of 2, so that products of large numbers are finite
-    exponent = -np.broadcast_to(np.frexp(size)[1], (*to.shape, 1, 1))
-    maps, right = np.ldexp(maps, exponent), np.ldexp(right, exponent)
     (a, b), (c, d) = np.moveaxis(maps, (-2, -1), (0, 1))
     determinant = a * d - b * c
     singular = abs(determinant) <= 1e-14 * (abs(a * d) + abs(b * c))

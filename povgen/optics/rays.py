@@ -110,8 +110,8 @@ class Bundle(_Lines):
                 raise ValueError(f"{name}: an array of the shape {values.shape}; allowed: (..., 3), x, y and z")
             if not np.isfinite(values).all():
                 raise ValueError(f"{name}: not finite; allowed: finite numbers")
-        if not along[..., 2].all():
-            raise ValueError("direction: dz = 0, parallel to the sheets; allowed: any other dz")
+        if not (abs(along[..., 2]) > 1e-100 * abs(along).max(-1, initial=0)).all():  # squares of slopes are finite
+            raise ValueError("direction: dz = 0, parallel to the sheets, or nearly; allowed: dz farther from 0")
         # copies: the caller may change the given arrays
         try:
             self.position, along = map(np.array, np.broadcast_arrays(start, along))
@@ -121,8 +121,6 @@ class Bundle(_Lines):
             ) from None
         along /= abs(along).max(-1, keepdims=True, initial=0)  # squares of the components are in range
         self.direction = along / np.linalg.norm(along, axis=-1, keepdims=True)
-        if (abs(self.direction[..., 2]) < 1e-100).any():  # squares of slopes would be infinite
-            raise ValueError("direction: dz is too small, parallel to the sheets; allowed: dz farther from 0")
 
 
 def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:

@@ -239,8 +239,8 @@ def test_wrong_values_are_refused(call, words):
     ("position", "direction", "words"),
     [
         ((0, 0, -6), (0, 0), "direction: an array of the shape (2,); allowed: (..., 3)"),
-        ((0, 0, -6), (1, 0, 0), "direction: dz = 0"),
-        ((0, 0, -6), (1, 0, 1e-101), "dz is too small"),
+        ((0, 0, -6), (1, 0, 0), "direction: dz = 0, parallel"),
+        ((0, 0, -6), (1, 0, 1e-101), "dz farther from 0"),
         ((0, 0, np.nan), (1, 0, 1), "position: not finite"),
         ((0, 0, 1j), (0, 0, 1), "position: allowed: an array of real numbers"),
         (np.zeros((2, 3)), np.ones((3, 3)), "position and direction: the shapes (2, 3) and (3, 3) do not broadcast"),
