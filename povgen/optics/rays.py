@@ -8,7 +8,7 @@ take the same paths. `trace.trace` follows rays through prisms. An ideal sheet b
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from numbers import Complex, Real
 from typing import Any, NamedTuple, Self
 
@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.apparent import Element, nearest_rays
 from povgen.optics.equations import Complexes, real
-from povgen.optics.faces import Booleans, Floats, Indices
+from povgen.optics.faces import Booleans, Floats, GlassSheet, Indices
+from povgen.optics.pose import Pose
 from povgen.optics.trace import CHUNK, End, Rays, trace
 
-Placed = Sequence[tuple[float, Element]]  # windows, the nearest to the eye first, each with the z of its middle
 # A law states the slope behind an ideal sheet for each slope before it. Of light, which comes from behind, only the
 # slope behind is known. The slope before the sheet is searched for: first from the slope behind it, then from these.
 _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in range(8)))
@@ -28,8 +28,30 @@ LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**8  # rays of a spot: their points need 2 GB
 AT_ONCE = 4 * 10**7  # rays of a bundle: they need 2 GB
 MOST_FACES = 100_000
+MOST_CROSSINGS = 100  # of windows, by one ray
 # the greatest error of the transverse part of a traced ray's unit direction: that of light that comes from behind
 _PRECISION = 1e-11
+
+
+class Opening(NamedTuple):
+    """A window: where its square opening stands, what is in it, and how deep its frame is."""
+
+    pose: Pose
+    sheet: Element
+    frame: float = 0.0  # extent of the frame along the window's normal: at least that of prisms; 0: a bare ideal sheet
+
+    def passage(self, position: Floats, direction: Floats) -> tuple[Floats, Floats]:
+        """Return how far along rays (n, 3), in the window's coordinates, the space within its frame begins and ends.
+
+        The ray does not meet this space if the first number is greater.
+        """
+        half = np.array([self.sheet.aperture, self.sheet.aperture, self.frame]) / 2
+        ends = (half - position) / direction, (-half - position) / direction
+        return np.fmax.reduce(np.minimum(*ends), 1), np.fmin.reduce(np.maximum(*ends), 1)
+
+    def is_in(self, position: Floats) -> Booleans:
+        """Return whether points (n, 3), in the window's coordinates, are within the opening's square."""
+        return np.asarray(np.maximum(*abs(position[:, :2]).T) <= self.sheet.aperture / 2)
 
 
 class Convergence(NamedTuple):
@@ -130,6 +152,7 @@ def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         raise ValueError(f"{name}: allowed: an array of real numbers") from None
 
 
+@dataclass(eq=False, repr=False)  # arrays have no single answer to ==
 class Traced(_Lines, Rays):
     """Where and how the rays of a bundle end. All arrays begin with the bundle's shape.
 
@@ -139,9 +162,11 @@ class Traced(_Lines, Rays):
     the other slanted facet. `faces` (..., most) are the prisms' faces that the ray has met, in their order, and `count`
     is their number. A ray enters a sheet of lenses by one lens and leaves it by another. `orders` (..., sheets) says by
     how many cells the second lens is above the one opposite the first: 0 on the designed path. `light` and `reflected`
-    are as in `trace.Rays`.
+    are as in `trace.Rays`. `windows` (..., crossings) are the numbers of the windows that the ray meets, in their
+    order, and -1 after the last.
     """
 
+    windows: NDArray[np.int8]
     _precision = _PRECISION
 
 
@@ -165,7 +190,7 @@ class Spot:
 
 
 def pencil(
-    windows: Placed, point: ArrayLike, count: int, middle: complex, radius: float, seed: int
+    windows: Sequence[Opening], point: ArrayLike, count: int, middle: complex, radius: float, seed: int
 ) -> Iterator[Bundle]:
     """Yield `count` rays from a point (x, y, z) to random points of a disc, CHUNK at a time.
 
@@ -176,7 +201,7 @@ def pencil(
     start = _numbers("point", point)
     if start.shape != (3,) or not (abs(start) <= LARGEST).all():
         raise ValueError(f"point = {point!r}: allowed: x, y and z, from -{LARGEST:g} to {LARGEST:g}, in tiles")
-    first, last = windows[0][0], windows[-1][0]
+    first, last = windows[0].pose.z, windows[-1].pose.z
     if first <= start[2] <= last:
         raise ValueError(f"point = {start}: between the windows; allowed: z < {first:g} or z > {last:g}")
     numbers = isinstance(radius, Real) and isinstance(middle, Complex) and bool not in (type(radius), type(middle))
@@ -227,129 +252,148 @@ def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
 
 
 def trace_windows(
-    rays: Bundle,
-    windows: Placed,
-    aperture: float,
-    frame: float,
-    most: int = 60,
-    partial: "np.random.Generator | None" = None,
+    rays: Bundle, windows: Sequence[Opening], most: int = 60, partial: "np.random.Generator | None" = None
 ) -> Traced:
-    """Follow a bundle through windows: ideal sheets, or prisms, or ideal sheets before prisms.
+    """Follow a bundle through windows that stand anywhere.
 
-    Here, prisms stand for lenses too. `aperture` is the side of the square windows, and `frame` the extent of each
-    window's frame along z: at least that of the sheets of prisms. A ray ends after `most` faces of prisms, from 1 to
-    MOST_FACES. `partial` is as for `trace.trace`. Prisms can send stray light back to the ideal sheets before them,
-    which bend it too. Raises ValueError for arguments of other types, for a ray that starts between the windows or runs
-    away from them, and if an ideal sheet stands behind prisms. Also raises what `trace.trace` raises.
+    A ray passes the nearest window that it meets, then the nearest that it meets behind this one, and so on. Paths run
+    both ways: a ray that meets an ideal sheet from behind takes the path of a ray from the front, backwards. A ray ends
+    where it meets no further window (`End.BESIDE` if it has met none), after `most` faces of prisms or lenses, from 1
+    to MOST_FACES, and after MOST_CROSSINGS windows. `partial` is as for `trace.trace`. Raises ValueError for arguments
+    of other types, and for rays that start in glass.
     """
     if not isinstance(rays, Bundle):
         raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
     if not isinstance(partial, (np.random.Generator, type(None))):
         raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
-    ideal = [(z, window) for z, window in windows if not window.layers_at(z, 0)]
-    glass = windows[len(ideal) :]
-    sheets = tuple(sheet for n, (z, window) in enumerate(glass) for sheet in window.layers_at(z, n))
-    if len({sheet.window for sheet in sheets}) < len(glass):
-        raise ValueError("windows: an ideal sheet behind prisms; allowed: ideal sheets first")
-    n = int(np.prod(rays.shape))
+    sheets = [window.sheet.layers_at(0.0, 0) for window in windows]
+    n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
-    found = Rays.starting(position, direction.copy(), most if sheets else 0, len(sheets))
-    _check_start(found, windows[0][0], windows[-1][0])
-    way = _Way(found, aperture / 2, frame / 2)
-    camera, light = np.flatnonzero(found.direction[:, 2] > 0), np.flatnonzero(found.direction[:, 2] < 0)
-    camera = way.through(camera, ideal, End.FRAME)
-    if glass:
-        camera = way.enter(camera, glass[0][0], End.BESIDE if ideal else End.FRAME)
-        light = way.enter(light, glass[-1][0], End.FRAME)
-        both = np.concatenate((camera, light))
-        after = trace(found.position[both], found.direction[both], sheets, aperture, most, frame, partial)
-        for field in fields(Rays):
-            getattr(found, field.name)[both] = getattr(after, field.name)
-        light, back = light[found.end[light] == End.THROUGH], camera[found.end[camera] == End.BACK]
-        light = np.concatenate((light, back))
-    way.through(light, ideal[::-1], End.BESIDE if glass else End.FRAME)
+    found = Rays.starting(position, direction.copy(), most if layers else 0, layers)
+    found.end[:], found.designed[:] = End.BESIDE, True
+    way = _Way(found, windows, sheets, most, partial)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        met = way.run()
     found.designed &= found.end == End.THROUGH
-    return Traced(*(values.reshape((*rays.shape, *values.shape[1:])) for values in vars(found).values()))
+    every = (*vars(found).values(), met)
+    return Traced(*(values.reshape((*rays.shape, *values.shape[1:])) for values in every))
 
 
-def _check_start(rays: Rays, first: float, last: float) -> None:
-    """Raise ValueError for the first ray that starts between the windows, or runs away from them."""
-    z, dz = rays.position[:, 2], rays.direction[:, 2]
-    wrong = np.where(dz > 0, z > first, z < last)
-    if wrong.any():
-        i = int(np.argmax(wrong))
-        allowed = f"z <= {first:g} for dz > 0" if dz[i] > 0 else f"z >= {last:g} for dz < 0"
-        raise ValueError(f"ray {i} from {rays.position[i]} along {rays.direction[i]}: allowed: {allowed}")
-
-
+@dataclass
 class _Way:
-    """Rays on their way through frames and ideal sheets. Methods that can end rays return the indices of the others."""
+    """Rays under way from window to window. i are the indices of rays, and w is the number of a window."""
 
-    def __init__(self, rays: Rays, half_window: float, half_frame: float) -> None:
-        self.rays, self.half, self.frame = rays, half_window, half_frame
+    rays: Rays
+    windows: Sequence[Opening]
+    sheets: Sequence[Sequence[GlassSheet]]  # of prisms or lenses, in each window
+    most: int
+    partial: "np.random.Generator | None"
 
-    def through(self, i: Indices, windows: Placed, missed: End) -> Indices:
-        """Take rays through ideal sheets, given in the order in which the rays meet them.
+    def run(self) -> NDArray[np.int8]:
+        """Follow each ray to its end. Return the windows that it meets, as in `Traced`."""
+        i = np.arange(len(self.rays.end))
+        last = np.full(len(i), -1)
+        every: list[NDArray[np.int8]] = []
+        while True:
+            met, distance = self.nearest(i, last)
+            i, distance, met = i[met >= 0], distance[met >= 0], met[met >= 0]
+            if not len(i) or len(every) == MOST_CROSSINGS:
+                self.rays.end[i] = End.UNFINISHED
+                return np.stack(every, 1) if every else np.empty((len(self.rays.end), 0), np.int8)
+            every.append(np.full(len(self.rays.end), -1, np.int8))
+            every[-1][i] = met
+            leaving = [self.cross(i[met == w], w, distance[met == w]) for w in range(len(self.windows))]
+            i, last = np.concatenate(leaving), np.repeat(np.arange(len(leaving)), [*map(len, leaving)])
 
-        `missed` is the end of rays that pass beside the first sheet.
+    def nearest(self, i: Indices, last: Indices) -> tuple[Indices, Floats]:
+        """Return the window that each ray meets first, or -1, and how far away it is.
+
+        `last` is the window that each ray has just left. A straight ray does not meet it again.
         """
-        for z, window in windows:
-            i = self.move(self.enter(i, z, missed), z, End.FRAME)
-            i = self.bend(i, window)
-            passed = self.within(i, z + self.ahead(i))
-            i, missed = self.without(i, ~passed, End.FRAME), End.BESIDE
-        return i
+        met, nearest = np.full(len(i), -1), np.full(len(i), np.inf)
+        for w, window in enumerate(self.windows):
+            begins, ends = window.passage(*window.pose.own(self.rays.position[i], self.rays.direction[i]))
+            closer = (begins <= ends) & (ends >= 0) & (begins < nearest) & (last != w)
+            met[closer], nearest[closer] = w, begins[closer]
+        return met, np.maximum(nearest, 0)
 
-    def enter(self, i: Indices, z: float, missed: End) -> Indices:
-        """Take rays to the opening of a window's frame on their side. `missed` is the end of those beside it.
+    def cross(self, i: Indices, w: int, distance: Floats) -> Indices:
+        """Take rays to a window at this distance, and through it. Return those that leave it."""
+        window = self.windows[w]
+        position, direction = window.pose.own(self.rays.position[i], self.rays.direction[i])
+        position = position + distance[:, None] * direction
+        outside = distance > 0
+        beside = outside & (abs(position[:, 2]) < (1 - 1e-9) * window.frame / 2)
+        ends = np.where(beside, End.FRAME, End.THROUGH).astype(np.uint8)
+        if self.sheets[w]:
+            self.through_glass(i, w, outside, position, direction, ends)
+        else:
+            ahead = ~beside & (outside | (position[:, 2] * direction[:, 2] <= 0))
+            self.bend(np.flatnonzero(ahead), window, position, direction, ends)
+            way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
+            framed = ~window.is_in(position + way[:, None] * direction)
+            ends[(ends == End.THROUGH) & framed] = End.FRAME
+        self.rays.position[i], self.rays.direction[i] = window.pose.scene(position, direction)
+        back, leaves = ends == End.BACK, ends <= End.BACK
+        returned = (self.rays.end[i] == End.BACK) ^ back
+        self.rays.end[i] = np.where(leaves, np.where(returned, End.BACK, End.THROUGH), ends)
+        return i[leaves]
 
-        Rays that start behind this opening stay where they are.
-        """
-        opening, start = z - self.ahead(i), self.rays.position[i, 2]
-        past = (start - opening) * self.rays.direction[i, 2] > 0
-        return self.move(i, np.where(past, start, opening), missed)
-
-    def ahead(self, i: Indices) -> Floats:
-        """Return how far along z the end of a frame is from its middle, in the direction of each ray."""
-        return np.asarray(np.copysign(self.frame, self.rays.direction[i, 2]))
-
-    def within(self, i: Indices, z: Floats | float) -> Booleans:
-        """Return which rays are within the windows' square in the plane z."""
-        x, y, _ = abs(self.place(i, z)).T
-        return np.asarray(np.maximum(x, y) <= self.half)
-
-    def place(self, i: Indices, z: Floats | float) -> Floats:
-        position, direction = self.rays.position[i], self.rays.direction[i]
-        step = (z - position[:, 2]) / direction[:, 2]
-        return position + step[:, None] * direction
-
-    def move(self, i: Indices, z: Floats | float, missed: End) -> Indices:
-        """Take rays to the plane z. `missed` is the end of those outside the windows' square."""
-        within = self.within(i, z)
-        self.rays.position[i] = self.place(i, z)
-        return self.without(i, ~within, missed)
-
-    def bend(self, i: Indices, window: Element) -> Indices:
-        """Give rays the direction with which they leave an ideal sheet. End those that it does not let pass."""
-        d = self.rays.direction[i]
-        before, place = (d[:, 0] + 1j * d[:, 1]) / d[:, 2], self.rays.position[i] @ (1, 1j, 0)
-        after, from_eye = np.empty_like(before), d[:, 2] > 0
-        after[from_eye] = window.slope(before[from_eye], place[from_eye])
-        after[~from_eye] = _slope_of_light(window, before[~from_eye], place[~from_eye])
+    def bend(self, ahead: Indices, window: Opening, position: Floats, direction: Floats, ends: Any) -> None:  # noqa: ANN401
+        """Bend the rays `ahead` where they meet an ideal sheet. Changes the arrays: in the window's coordinates."""
+        p, d = position[ahead], direction[ahead]
+        p = p - (p[:, 2] / d[:, 2])[:, None] * d
+        p[:, 2] = 0
+        position[ahead] = p
+        inside = window.is_in(p)
+        ends[ahead[~inside]] = End.FRAME
+        ahead, p, d = ahead[inside], p[inside], d[inside]
+        before, place, front = (d[:, 0] + 1j * d[:, 1]) / d[:, 2], p[:, 0] + 1j * p[:, 1], d[:, 2] > 0
+        after = np.empty_like(before)
+        after[front] = window.sheet.slope(before[front], place[front])
+        after[~front] = _slope_of_light(window.sheet, before[~front], place[~front])
         passes = np.isfinite(after)
-        bent = np.column_stack((after.real, after.imag, np.ones(len(i)))) * np.sign(d[:, 2:])
-        self.rays.direction[i[passes]] = (bent / np.linalg.norm(bent, axis=1, keepdims=True))[passes]
-        return self.without(i, ~passes, End.BLOCKED)
+        ends[ahead[~passes]] = End.BLOCKED
+        bent = np.column_stack((after.real, after.imag, np.ones(len(p)))) * np.sign(d[:, 2:])
+        direction[ahead[passes]] = (bent / np.linalg.norm(bent, axis=1, keepdims=True))[passes]
 
-    def without(self, i: Indices, ended: Booleans, end: End) -> Indices:
-        """Write the end of the rays that have ended. Return the others."""
-        self.rays.end[i[ended]] = end
-        return i[~ended]
+    def through_glass(
+        self,
+        i: Indices,
+        w: int,
+        outside: Booleans,
+        position: Floats,
+        direction: Floats,
+        ends: Any,  # noqa: ANN401
+    ) -> None:
+        """Follow rays through prisms or lenses. Changes the arrays: in the window's coordinates."""
+        rays, window, sheets = self.rays, self.windows[w], tuple(self.sheets[w])
+        back = sheets[-1].centre + sheets[-1].reach(window.sheet.aperture)
+        ahead = (ends == End.THROUGH) & (outside | (position[:, 2] * np.sign(direction[:, 2]) < back))
+        first = sum(map(len, self.sheets[:w]))
+        counts = rays.count[i]
+        for count in np.unique(counts[ahead]):
+            some = np.flatnonzero(ahead & (counts == count))
+            side, most = window.sheet.aperture, self.most - count
+            after = trace(position[some], direction[some], sheets, side, most, window.frame, self.partial)
+            position[some], direction[some], ends[some] = after.position, after.direction, after.end
+            j = i[some]
+            rays.faces[j, count:] = after.faces
+            rays.count[j] += after.count
+            rays.light[j] *= after.light
+            rays.reflected[j] |= after.reflected
+            rays.designed[j] &= after.designed
+            rays.orders[j, first : first + len(sheets)] += after.orders
 
 
 def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:
     """Return the slopes (n,) before an ideal sheet of light that has the slopes `behind` it; NaN where none passes."""
+    matrix = window.transfer
+    if matrix is not None and abs(np.linalg.det(matrix[2:4, 2:4])) > 1e-6:  # slope = A place + B (slope before) + c
+        rest = np.stack((behind.real, behind.imag)) - matrix[2:4, :2] @ (place.real, place.imag) - matrix[2:4, 4:]
+        x, y = np.linalg.solve(matrix[2:4, 2:4], rest)
+        return np.asarray(x + 1j * y)
     found, aim = np.full(len(behind), complex(np.nan, np.nan)), _sine(behind)
 
     def miss(slope: Complexes, target: Indices) -> Complexes:

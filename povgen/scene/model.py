@@ -15,7 +15,9 @@ from pydantic import BeforeValidator, Field
 
 from povgen import limits
 from povgen.optics import apparent
+from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
+from povgen.optics.rays import Opening
 from povgen.scene import pictures
 from povgen.scene.fields import PictureFile, Point
 from povgen.scene.windows import (
@@ -152,6 +154,11 @@ class EyeAndWindows(ParametersOfSheets):
     def elements(self) -> apparent.Windows:
         """The windows as in `optics.apparent`."""
         return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), self.sheets, strict=True)]
+
+    @property
+    def openings(self) -> list[Opening]:
+        """The windows as in `optics.rays`."""
+        return [Opening(Pose(z=z), sheet, self.depth) for z, sheet in self.windows]
 
     @property
     def layered(self) -> tuple[Layered, ...]:

@@ -11,12 +11,14 @@ from itertools import combinations, islice
 from math import hypot
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
+import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, at_least, input_errors, one_line, shown
 from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot, trace_windows
+from povgen.optics.trace import End
 from povgen.record import Record, in_use, info
 from povgen.scene import camera, checks, pictures
 from povgen.scene.fields import Z1, Aside, Colour, OneOrMore, PictureFile, PictureSize, PieceValue, Point, as_tuple, rgb
@@ -108,7 +110,8 @@ class Scene(Predicted):
         numbers outside their ranges.
         """
         count = checked_count("count", count, AT_ONCE)
-        return joined(pencil(self.windows, point, count, middle, self.aperture / 2 if radius is None else radius, seed))
+        radius = self.aperture / 2 if radius is None else radius
+        return joined(pencil(self.openings, point, count, middle, radius, seed))
 
     @input_errors()
     def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None) -> Traced:
@@ -116,10 +119,14 @@ class Scene(Predicted):
 
         Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
         generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
-        Otherwise reflection is only total. Raises InputError for a ray that does not start outside the windows, or does
-        not run towards them, and for a `max_faces` that is not a whole number from 1 to 100,000.
+        Otherwise reflection is only total. Rays may start anywhere but in glass. Those that do not pass every window
+        end as `End.BESIDE`. Raises InputError for a `max_faces` that is not a whole number from 1 to 100,000.
         """
-        return trace_windows(rays, self.windows, self.aperture, self.depth, max_faces, partial)
+        found = trace_windows(rays, self.openings, max_faces, partial)
+        every = [(found.windows == w).any(-1) for w in range(len(self.windows))]
+        found.end[(found.end == End.THROUGH) & ~np.all(every, 0)] = End.BESIDE
+        found.designed &= found.end == End.THROUGH
+        return found
 
     @input_errors()
     def spot(
@@ -140,7 +147,7 @@ class Scene(Predicted):
         `pencil`. Raises InputError for a z that is not finite, too.
         """
         radius = self.aperture / 2 if radius is None else radius
-        parts = pencil(self.windows, point, count, middle, radius, seed)
+        parts = pencil(self.openings, point, count, middle, radius, seed)
         return spot((self.trace(rays) for rays in parts), z, as_flag("stray", stray))
 
     @model_validator(mode="after")

@@ -1,0 +1,139 @@
+"""Windows that stand anywhere, in any order: theorems about the rays that pass them."""
+
+import numpy as np
+import pytest
+
+from povgen.optics.pose import Pose
+from povgen.optics.rays import Bundle, Opening, trace_windows
+from povgen.optics.trace import End
+from povgen.sheets import SHEETS
+
+
+def sheet(name, aperture=3.0, **values):
+    kind = SHEETS[name]
+    return kind({each.name: each.default for each in kind.parameters} | values, aperture)
+
+
+def pose_of(place, axes):
+    """Return the pose of an object with these axes, the rows of a matrix."""
+    turn = np.degrees([np.arctan2(axes[2, 0], axes[2, 2]), np.arcsin(-axes[2, 1]), np.arctan2(axes[0, 1], axes[1, 1])])
+    return Pose(*place, *turn)
+
+
+def random_room(rng, kinds, most=20):
+    """Return windows in random poses, in one another's way, and rays towards them."""
+    windows = []
+    for _ in range(rng.integers(4, most)):
+        kind = SHEETS[rng.choice(kinds)]
+        values = rng.choice(kind.examples) if not kind.layers else {"prisms": 20}
+        one = sheet(kind.name, rng.uniform(0.8, 2), **values)
+        pose = Pose(*rng.uniform(-2, 2, 3), *rng.uniform(-180, 180, 3))
+        new = Opening(pose, one, max(0.1, 1.02 * one.depth))
+        radii = [np.hypot(0.71 * each.sheet.aperture, each.frame / 2) for each in (*windows, new)]
+        away = [np.linalg.norm(pose.place - other.pose.place) for other in windows]
+        if all(d > radius + radii[-1] for d, radius in zip(away, radii, strict=False)):
+            windows.append(new)
+    start = rng.normal(size=(400, 3))
+    start *= 9 / np.linalg.norm(start, axis=1, keepdims=True)
+    to = np.array([windows[k].pose.place for k in rng.integers(len(windows), size=400)])
+    return windows, Bundle(start, to + rng.uniform(-0.5, 0.5, (400, 3)) - start)
+
+
+def test_turns_are_about_the_scenes_axes_in_the_order_roll_pitch_yaw():
+    np.testing.assert_allclose(Pose(roll=90).axes, [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-15)  # x towards y
+    np.testing.assert_allclose(Pose(pitch=90).axes, [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)  # y towards z
+    np.testing.assert_allclose(Pose(yaw=90).axes, [[0, 0, -1], [0, 1, 0], [1, 0, 0]], atol=1e-15)  # z towards x
+    one_by_one = Pose(roll=20).axes @ Pose(pitch=-50).axes @ Pose(yaw=70).axes
+    np.testing.assert_allclose(Pose(1, 2, 3, 70, -50, 20).axes, one_by_one)
+
+
+def test_a_room_that_is_moved_as_a_whole_bends_light_alike(rng):
+    kinds = [name for name in SHEETS if name != "profile"]
+    crossings = 0
+    for _ in range(6):
+        windows, rays = random_room(rng, kinds)
+        by = Pose(*rng.uniform(-5, 5, 3), *rng.uniform(-180, 180, 3))
+        moved = [
+            window._replace(pose=pose_of(by.scene(window.pose.place, by.place)[0], window.pose.axes @ by.axes))
+            for window in windows
+        ]
+        here = trace_windows(rays, windows)
+        there = trace_windows(Bundle(*by.scene(rays.position, rays.direction)), moved)
+        off = np.linalg.norm(there.direction - here.direction @ by.axes, axis=1)
+        same = off < np.where(here.count, 1e-6, 1e-9)  # stray light between lenses magnifies rounding
+        assert same[here.count == 0].all() and same.mean() > 0.95
+        assert (here.windows[same] == there.windows[same]).all() and (here.end[same] == there.end[same]).all()
+        crossings += (here.windows[:, 1:] >= 0).sum()
+    assert crossings > 60
+
+
+def test_light_takes_its_path_back(rng):
+    kinds = [name for name in SHEETS if name != "profile"]
+    returned = 0
+    for _ in range(6):
+        windows, rays = random_room(rng, kinds)
+        there = trace_windows(rays, windows)
+        some = (there.end <= End.BACK) & (there.count < 40)
+        ends = there.position[some] + there.direction[some]
+        back = trace_windows(Bundle(ends, -there.direction[some]), windows)
+        same = np.linalg.norm(back.direction + rays.direction[some], axis=1) < 1e-8
+        assert same[there.count[some] == 0].all() and same.mean() > 0.9
+        off = np.cross(back.position[same] - rays.position[some][same], rays.direction[some][same])
+        assert abs(off).max() < 1e-7
+        returned += same.sum()
+    assert returned > 300
+
+
+def test_opposite_sheets_close_together_cancel_in_any_pose(rng):
+    for alpha in rng.uniform(-180, 180, 10):
+        pose = Pose(*rng.uniform(-1, 1, 3), *rng.uniform(-180, 180, 3))
+        normal = pose.axes[2]
+        pair = [
+            Opening(Pose(*(pose.place + side * 0.001 * normal), *pose[3:]), sheet("ideal", alpha=side * alpha))
+            for side in (-1, 1)
+        ]
+        start = pose.place + rng.normal(size=(50, 3)) * 4
+        rays = Bundle(start, pose.place + 0.3 * rng.normal(size=(50, 3)) - start)
+        found = trace_windows(rays, pair)
+        both = (found.windows >= 0).sum(1) == 2
+        assert both.sum() > 10
+        np.testing.assert_allclose(found.direction[both], rays.direction[both], atol=1e-9)
+
+
+def star(count, alpha, aperture=1000.0):
+    """Return square windows that share an edge on the y axis. Each turns light by alpha, in the sense of the loop."""
+    windows = []
+    for k in range(count):
+        yaw = -360 / count * (k + 0.3)
+        middle = aperture / 2 * Pose(yaw=yaw).axes[0]  # its own x axis points away from the edge
+        windows.append(Opening(Pose(*middle, yaw=yaw), sheet("ideal", aperture, alpha=alpha)))
+    return windows
+
+
+STARS = [(count, m) for count in range(4, 13) for m in range(2, count // 2 + 1)]
+
+
+@pytest.mark.parametrize(("count", "m"), STARS)
+def test_directions_round_a_star_return_at_its_angles_only(count, m, rng):
+    """The rotations of a loop multiply to 1 if cos(alpha/2) = cos(m pi/N)/cos(pi/N)."""
+    angle = np.degrees(2 * np.arccos(np.cos(m * np.pi / count) / np.cos(np.pi / count)))
+    for alpha, returns in ((angle, True), (angle + 0.1, False)):
+        way = start = rng.normal(size=(30, 3))
+        for window in star(count, alpha):
+            front = np.sign(way @ window.pose.axes[2])[:, None]  # from behind, a ray takes the path from the front
+            found = trace_windows(Bundle(window.pose.place - front * way, front * way), [window])
+            assert (found.end == End.THROUGH).all()
+            way = front * found.direction
+        off = np.linalg.norm(way - Bundle((0, 0, 0), start + (0, 0, 0)).direction, axis=1)
+        assert off.max() < 1e-9 if returns else off.max() > 1e-3
+
+
+def test_a_window_beside_the_axis_is_the_window_on_the_axis_for_a_moved_eye(rng):
+    for name in SHEETS:
+        window = Opening(Pose(), sheet(name), 0.4)
+        rays = Bundle(rng.uniform(-1, 1, (100, 3)) - (0, 0, 6), rng.uniform(-0.2, 0.2, (100, 3)) + (0, 0, 1))
+        aside = np.array([2.0, -1.0, 0.5])
+        here = trace_windows(rays, [window])
+        there = trace_windows(Bundle(rays.position + aside, rays.direction), [window._replace(pose=Pose(*aside))])
+        same = abs(here.direction - there.direction).max(1) < 1e-9
+        assert same.mean() > 0.98 and (here.end[same] == there.end[same]).all()
