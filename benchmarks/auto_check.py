@@ -26,7 +26,7 @@ from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
 from povgen.files import save
 from povgen.measure import speed
-from povgen.measure.drawn import Drawn
+from povgen.measure.drawn import OpenGLView
 from povgen.rendering import auto
 from povgen.rendering.flip import CONVERGED
 from povgen.scene.scenes import PIECES, Scene
@@ -108,7 +108,7 @@ def measured(scene: Scene, size: tuple[int, int], candidate: Ordered) -> tuple[f
 
     def make() -> list[float]:
         if renderer == "gl":
-            view = Drawn(shown)
+            view = OpenGLView(shown)
             view.picture(size, 1)  # the first picture compiles the shaders
             cpu, picture = speed.drawn_sample(view, sampling, size)
         else:

@@ -17,10 +17,10 @@ import numpy as np
 from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.measure.browser import View, chromium
-from povgen.measure.drawn import Drawn
+from povgen.measure.drawn import OpenGLView
 from povgen.measure.measured import rms
 from povgen.measure.probes import Size
-from povgen.rendering import parallel, povray
+from povgen.rendering import gl_runner, parallel, povray
 from povgen.rendering.flip import CONVERGED, flip
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture
@@ -81,16 +81,16 @@ def sample(text: str, sampling: str, size: Size) -> tuple[float, Picture]:
         return cpu_seconds() - before, read_png(path)
 
 
-def drawn_sample(view: Drawn, sampling: str, size: Size) -> tuple[float, Picture]:
+def drawn_sample(view: OpenGLView, sampling: str, size: Size) -> tuple[float, Picture]:
     """Return the CPU seconds that the renderer gl uses for a picture, in all threads, and the picture.
 
     If the scene has been drawn before, this does not include the time to start OpenGL and to compile the shaders.
     """
     with temporary_folder() as folder:
-        before = cpu_seconds()
-        view.save(folder / "frame.png", Rendering(renderer="gl", size=size, antialias=sampling))
-        picture = read_png(folder / "frame.png")
-        return cpu_seconds() - before, picture
+        before, runner = cpu_seconds(), gl_runner.shared()
+        rendering = Rendering(renderer="gl", size=size, antialias=sampling)
+        picture = read_png(runner.run(view.source(), rendering, folder))
+        return cpu_seconds() - before + runner.cpu_seconds[-1], picture
 
 
 def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[float, float]:
@@ -140,7 +140,7 @@ def measure_samplings(
 
 def _gl_points(scenes: Mapping[str, Scene], _: ExitStack) -> Iterator[Point]:
     """Return the points of the renderer gl. Raises InputError without OpenGL."""
-    views = {method: Drawn(scene) for method, scene in scenes.items()}
+    views = {method: OpenGLView(scene) for method, scene in scenes.items()}
     for (method, view), size, sampling in product(views.items(), SIZES, GL_SAMPLINGS):
         view.picture(SIZES[0], 1)  # the first picture compiles the shaders
         yield Point(f"gl {method}", sampling, size, partial(drawn_sample, view, sampling, size))

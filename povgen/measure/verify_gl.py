@@ -1,6 +1,6 @@
 """Compare what the live view's shaders draw with the ray trace, eq. 7 and POV-Ray's pictures: `povgen verify --gl`.
 
-OpenGL draws, without a browser: `drawn.Drawn`. CPU seconds of both renderers are measured in one run.
+OpenGL draws, without a browser: `drawn.OpenGLView`. CPU seconds of both renderers are measured in one run.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,7 +11,7 @@ import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.compare import window_rays
-from povgen.measure.drawn import Drawn
+from povgen.measure.drawn import OpenGLView
 from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import drawn_sample, picture_error, sample
@@ -85,7 +85,7 @@ def directions(
     `scenes` are parameters of `Directions`. `sheets` names their kind in the result. `least` is the bound, in percent,
     for all rays that leave.
     """
-    view, designed, leaving = Drawn(Directions()), [], []
+    view, designed, leaving = OpenGLView(Directions()), [], []
     for values in scenes:
         scene = Directions(**{"sheet": "detailed", **values})
         view.set(scene)
@@ -104,7 +104,7 @@ def directions(
 
 def positions(count: int = 20, size: Size = SMALL) -> Iterator[Measured]:
     """Compare where the shader's ideal sheets show points with the formulas, such as eq. 7 for a single window."""
-    view, half = Drawn(Directions()), count // 2
+    view, half = OpenGLView(Directions()), count // 2
     one = [*targets("ideal", half, seed=7, E=0j), *targets("ideal", half, seed=8, E=0.3 - 0.4j)]
     several = [scene for n in (2, 3) for scene in series_targets("ideal", n, half, seed=9, E=0.3 - 0.2j)]
     for what, scenes in (
@@ -116,7 +116,7 @@ def positions(count: int = 20, size: Size = SMALL) -> Iterator[Measured]:
         yield Measured("gl", f"{what}, {len(scenes)} points, worst", np.max(off), 0.1, "px")
 
 
-def _seen(view: Drawn, scene: Positions, size: Size) -> complex:
+def _seen(view: OpenGLView, scene: Positions, size: Size) -> complex:
     """Return where the shader shows the point L of a scene. NaN if too little around it is seen."""
     view.set(Directions(**scene.model_dump(include=set(Directions.model_fields))))
     read = {name: numbers.astype(float) for name, numbers in view.readout(size).items()}
@@ -140,7 +140,7 @@ def pictures(
     same, difference = [], []
     detailed = kind == "detailed"
     for scene, converged in zip(scenes, rendered(scenes, size, antialias), strict=True):
-        view = Drawn(scene)
+        view = OpenGLView(scene)
         same.append(100 * shows_the_same(view, scene, shown).mean())
         picture = view.picture(size, RAYS)
         difference.append(picture_error(picture, converged, scene)[1] if detailed else flip(picture, converged).mean())
@@ -150,7 +150,7 @@ def pictures(
     yield Measured("gl", f"mean FLIP against POV-Ray's converged picture: {where}{what}", np.max(difference), most)
 
 
-def shows_the_same(view: Drawn, scene: Scene, size: Size) -> Mask:
+def shows_the_same(view: OpenGLView, scene: Scene, size: Size) -> Mask:
     """Return for each pixel whether the shader shows the same as POV-Ray at its centre: the sky, a piece, or neither.
 
     POV-Ray shows the sky where white instead of black behind the scene changes the picture, and a piece where the
@@ -184,7 +184,7 @@ def costs(size: Size = SMALL, rounds: int = 5) -> Iterator[Measured]:
     """Compare the CPU seconds of the renderer gl for a frame with POV-Ray's: one ray a pixel, measured alternately."""
     for sheet, most in (("detailed", 0.11), ("ideal", 0.3)):
         scene = Chess(sheet=sheet)
-        text, view = to_pov(scene), Drawn(scene)
+        text, view = to_pov(scene), OpenGLView(scene)
         view.picture(size, 1)  # the first frame compiles the shaders
         seconds = [(drawn_sample(view, "off", size)[0], sample(text, "off", size)[0]) for _ in range(rounds)]
         ours, theirs = (median(several) for several in zip(*seconds, strict=True))

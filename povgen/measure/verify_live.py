@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from povgen.measure.browser import View, chromium
-from povgen.measure.drawn import Drawn
+from povgen.measure.drawn import OpenGLView
 from povgen.measure.measured import Measured
 from povgen.measure.probes import Size
 from povgen.measure.verify_gl import RAYS, SHADOW_RAYS
@@ -31,10 +31,10 @@ SCENES: tuple[Scene, ...] = (
 def checks() -> Iterator[Measured]:
     """Measure everything. Raises InputError if Chromium or OpenGL cannot draw, or flip-evaluator is not installed."""
     with chromium() as browser:
-        yield from same([(View(browser, scene), Drawn(scene)) for scene in SCENES])
+        yield from same([(View(browser, scene), OpenGLView(scene)) for scene in SCENES])
 
 
-def same(pairs: Sequence[tuple[View, Drawn]], size: Size = SIZE) -> Iterator[Measured]:
+def same(pairs: Sequence[tuple[View, OpenGLView]], size: Size = SIZE) -> Iterator[Measured]:
     """Compare the rays and the pictures of several views with those of OpenGL."""
     rays, pixels, difference = [], [], []
     for view, drawn in pairs:

@@ -3,10 +3,10 @@
 import re
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from io import BytesIO
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,7 @@ from povgen.scene.scenes import Scene, pieces
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
-AHEAD = 2  # frames in the pool for each worker: one is rendered while the next waits
+AHEAD = 4  # frames in the pool for each worker: one is rendered, and others wait, or are there before an earlier one
 SHOWN_FAILURES = 3  # the greatest number of failed frames that a message describes
 
 
@@ -39,11 +39,6 @@ def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner:
             raise TransientError("the picture is not whole (is the disk full?)")
     cache.store(frame, path)
     return frame
-
-
-def _into_cache(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> None:
-    """Do what `_cached_or_rendered` does. The frame waits in the cache, and not in memory, for those before it."""
-    _cached_or_rendered(scene, rendering, source, runner)
 
 
 @contextmanager
@@ -97,10 +92,10 @@ def render_all(
     try:
         with thread_pool(runner, workers) as pool:
             surveys.make(every)
-            finished = _finished(every, rendering, runner, pool, AHEAD * workers, to_text)
+            begun = _begun(every, rendering, runner, pool, AHEAD * workers, to_text)
             for group in shown:
                 pngs, faults = [], []
-                for scene, (source, frame) in zip(group, finished, strict=False):
+                for scene, (source, frame) in zip(group, begun, strict=False):
                     try:
                         frame.result()
                         # from the cache, unless another process has just removed it there
@@ -164,33 +159,27 @@ def _to_pov(scene: Scene) -> str:
     return to_pov(scene, found=surveys.found(scene, store=True))
 
 
-def _finished(
+def _begun(
     scenes: Sequence[Scene],
     rendering: Rendering,
     runner: Runner,
     pool: ThreadPoolExecutor,
     at_once: int,
-    to_text: Callable[[Scene], str] = _to_pov,
+    to_text: Callable[[Scene], str],
 ) -> Iterator[tuple[str, Future[None]]]:
-    """Yield each scene's text and a future, in the scenes' order, as soon as that frame is in the cache.
+    """Yield each scene's text and a future, which ends when the frame is in the cache. `at_once` frames are ahead."""
 
-    At most `at_once` frames wait or run in the pool. Finished frames that wait for an earlier frame do not count.
-    """
-    todo = iter(scenes)
-    frames: deque[tuple[str, Future[None]]] = deque()
-    running: set[Future[None]] = set()
-    for _ in scenes:
-        while True:
-            running = {frame for frame in running if not frame.done()}
-            # to_text runs in this thread: it traces rays in Python, and Ctrl-C interrupts only this thread
-            for scene in islice(todo, at_once - len(running)):
-                source = to_text(scene)
-                frames.append((source, pool.submit(_into_cache, scene, rendering, source, runner)))
-                running.add(frames[-1][1])
-            if frames[0][1].done():
-                break
-            wait(running, return_when=FIRST_COMPLETED)
-        yield frames.popleft()
+    def into_cache(scene: Scene, source: str) -> None:  # the frame does not wait in memory for those before it
+        _cached_or_rendered(scene, rendering, source, runner)
+
+    ahead: deque[tuple[str, Future[None]]] = deque()
+    for scene in scenes:
+        # to_text runs in this thread: it traces rays in Python, and Ctrl-C interrupts only this thread
+        source = to_text(scene)
+        ahead.append((source, pool.submit(into_cache, scene, source)))
+        if len(ahead) == at_once:
+            yield ahead.popleft()
+    yield from ahead
 
 
 def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:

@@ -117,17 +117,17 @@ class Drawer:
                 if left + wide == width:
                     yield band / kind.type(rays) if is_light else band
 
-    def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> list[NDArray[np.float32]]:
-        """Return the arrays ray, shown and met, (height, width, 4), as povgen/liveview/readout.glsl describes them."""
+    def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> NDArray[np.float32]:
+        """Return ray, shown and met, (3, height, width, 4): povgen/liveview/readout.glsl describes them."""
         (program,) = self._prepared(scene, "shader")
         numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
         set_uniforms(program, {**scene["uniforms"], "size": size, "jitter": (0, 0), "rayNumber": 0})
         self._draw(program, numbers, size)
-        read = [np.frombuffer(numbers.read(components=4, attachment=k, dtype="f4"), np.float32) for k in range(3)]
+        read = b"".join(numbers.read(components=4, attachment=k, dtype="f4") for k in range(3))
         self.sum.use()  # the context refers to the framebuffer that was used last
         del numbers
         self.gl.gc()
-        return [each.reshape(size[1], size[0], 4)[::-1] for each in read]
+        return np.frombuffer(read, "<f4").reshape(3, size[1], size[0], 4)[:, ::-1]
 
     def _draw(self, program: Any, target: Any, size: tuple[int, int], source: Any = None) -> None:  # noqa: ANN401
         """Run a program for the lower left pixels of a framebuffer. It reads the framebuffer `source`."""
@@ -299,11 +299,13 @@ def main() -> None:
             scene = json.loads(Path(asked["scene"]).read_text("utf-8"))
             folder, size = Path(asked["scene"]).parent, tuple(asked["size"])
             scene["pictures"] = {part: (folder / name).read_bytes() for part, name in scene["pictures"].items()}
-            is_light = asked["is_light"]
-            sampling = size, asked["rays"], asked["wide_filter"]
-            bands = drawer.bands(scene, *sampling, is_light=is_light, told=lambda part: say(part=part))
-            picture = Path(asked["picture"])
-            write_light(picture, bands) if is_light else write_png(picture, bands, size)
+            target, kind = Path(asked["target"]), asked["kind"]
+            if kind == "readout":
+                target.write_bytes(drawer.readout(scene, size).tobytes())
+            else:
+                sampling = size, asked["rays"], asked["wide_filter"], asked.get("part", 1)
+                bands = drawer.bands(scene, *sampling, kind == "light", lambda part: say(part=part))
+                write_light(target, bands) if kind == "light" else write_png(target, bands, size)
         except OSError as error:  # such as a full disk: `gl_runner` raises the error, and this process continues
             say(error=error.strerror or str(error), errno=error.errno)
         except Exception as error:

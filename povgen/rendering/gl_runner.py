@@ -6,7 +6,7 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
@@ -49,9 +49,13 @@ def at_once() -> int:
     return cores() if WITHOUT_GPU.search(device()) else min(ON_GPU, cores())
 
 
-@cache
 def shared() -> "Runner":
-    """Return a runner that goes on until this Python ends: for the workers of a cluster."""
+    """Return a runner that goes on until this Python ends. A process that was forked has another one."""
+    return _shared(os.getpid())
+
+
+@cache
+def _shared(_: int) -> "Runner":
     return Runner()
 
 
@@ -81,30 +85,30 @@ class Runner:
         Raises PovrayError if the process was stopped or refuses the scene. Raises OSError if the disk is full. Raises
         TransientError if both tries fail.
         """
+        picture = folder / ("frame.light" if rendering.is_light else rendering.file)
+        kind, wide_filter = "light" if rendering.is_light else "png", rendering.supersampling > 1
+        asked = {"size": rendering.size, "rays": rendering.rays, "wide_filter": wide_filter, "kind": kind}
+        self.draw(source, picture, rendering.timeout, asked)
+        return picture
+
+    def draw(self, source: str, target: Path, timeout: float, asked: Mapping[str, object]) -> None:
+        """Draw a scene into a file, as `run` does. `asked` has the other keys that `gl.main` reads."""
+        folder = target.parent
         (folder / SCENE).write_text(source, "utf-8")
         for name, png in pictures.used(source).items():
             (folder / name).write_bytes(png)
-        picture = folder / ("frame.light" if rendering.is_light else rendering.file)
-        asked = {
-            "scene": str(folder / SCENE),
-            "picture": str(picture),
-            "size": rendering.size,
-            "rays": rendering.rays,
-            "wide_filter": rendering.supersampling > 1,
-            "is_light": rendering.is_light,
-        }
+        request = {"scene": str(folder / SCENE), "target": str(target), **asked}
 
-        def draw() -> Answer:
+        def drawn() -> Answer:
             process = self._taken()
-            return process, self._answer(process, rendering.timeout, asked)
+            return process, self._answer(process, timeout, request)
 
-        answer = self._tried(draw)
+        answer = self._tried(drawn)
         if answer.get("errno"):
             raise OSError(answer["errno"], answer["error"], str(folder))
         if "error" in answer:
             raise PovrayError(f"renderer gl: {one_line(answer['error'])}")
         self.cpu_seconds.append(answer["cpu_seconds"])
-        return picture
 
     def device(self) -> str:
         """Return the name of the device that draws, and OpenGL's version.

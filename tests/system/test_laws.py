@@ -8,7 +8,7 @@ import pytest
 from conftest import Node
 
 from povgen import Chess, to_pov
-from povgen.measure.drawn import Drawn
+from povgen.measure.drawn import OpenGLView
 from povgen.measure.probes import Directions, decoded
 from povgen.optics import apparent
 from povgen.scene import camera
@@ -35,7 +35,7 @@ def node():
 
 @pytest.fixture(scope="module")
 def view():
-    return Drawn(SCENES[0])
+    return OpenGLView(SCENES[0])
 
 
 def directions(rng, count=60):

@@ -12,7 +12,7 @@ from povgen import Chess, InputError, Spheres
 from povgen.liveview import view
 from povgen.measure import verify_live
 from povgen.measure.browser import View, chromium
-from povgen.measure.drawn import Drawn
+from povgen.measure.drawn import OpenGLView
 from povgen.measure.probes import Directions
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
@@ -50,7 +50,7 @@ PRISMS, IDEAL, *OTHERS = verify_live.SCENES
 @pytest.mark.parametrize("scene", some([IDEAL, PRISMS, *OTHERS], 1), ids=lambda scene: f"{scene.name} {scene.sheet}")
 def test_the_view_draws_the_same_as_opengl(browser, scene):
     view = View(browser, scene)
-    figures = list(verify_live.same([(view, Drawn(scene))], (80, 60)))
+    figures = list(verify_live.same([(view, OpenGLView(scene))], (80, 60)))
     view.page.close()
     assert len(figures) == 3 and all(figure.holds for figure in figures), figures
 
@@ -60,7 +60,7 @@ def test_the_view_shows_pictures_as_opengl(browser, tmp_path):
     path = picture(tmp_path)
     scene = Chess(sheet="ideal", sky=path, floor=path, view=6)
     view = View(browser, scene)
-    figures = list(verify_live.same([(view, Drawn(scene))], (80, 60)))
+    figures = list(verify_live.same([(view, OpenGLView(scene))], (80, 60)))
     view.page.close()
     assert all(figure.holds for figure in figures), figures
 
@@ -68,7 +68,7 @@ def test_the_view_shows_pictures_as_opengl(browser, tmp_path):
 def test_the_view_shows_another_scene_as_opengl(browser):
     """`set` changes everything that follows from the scene."""
     first, then = Directions(sheet="detailed"), Directions(sheet="ideal", alpha=35, prisms=400, eye=(0.5, -0.5))
-    view, drawn = View(browser, first, [then]), Drawn(then)
+    view, drawn = View(browser, first, [then]), OpenGLView(then)
     view.set(then)
     ours, theirs = drawn.readout(SIZE), view.readout(SIZE)
     assert all(abs(ours[name] - theirs[name]).max() < 1e-5 for name in ours)
@@ -80,7 +80,7 @@ def test_a_piece_of_ones_own(browser, tmp_path):
     file.write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
     scene = Chess(piece=str(file), sheet="none")
     view = View(browser, scene)
-    shown, drawn = (each.readout(SIZE)["shown"][..., 0] for each in (view, Drawn(scene)))
+    shown, drawn = (each.readout(SIZE)["shown"][..., 0] for each in (view, OpenGLView(scene)))
     assert (shown == drawn).mean() > 0.999 and (shown == 3).sum() > 250  # OBJECT in objects.glsl
     view.page.close()
 
