@@ -17,21 +17,23 @@ from io import BytesIO
 from itertools import product
 from math import isqrt
 from pathlib import Path
-from struct import pack
 from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
+from PIL.Image import fromarray
 from PIL.PngImagePlugin import PngImageFile
 
 from povgen import stopping
+from povgen.rendering.light import packed
 from povgen.scene import hdr
 
 # A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
 TILE = 1024  # pixels, a power of 2: the side of such a square
 STEP = 512  # `place` returns multiples of 1/STEP: these places are exact in 32-bit numbers in every tile
 PROGRAMS = 30  # at most so many compiled programs are kept: each law of a user's own needs another one
+RUN_LENGTHS = 3  # zlib's number: it looks only for bytes that repeat
 SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
 VERTICES = """#version 330
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""
@@ -243,35 +245,6 @@ def extend(distance: NDArray[np.float64], most: float) -> NDArray[np.float64]:
     return np.where(distance < most, distance, np.maximum(found / np.sqrt(3), most))
 
 
-def write_png(file: Path, bands: Iterator[NDArray[np.uint8]], size: tuple[int, int]) -> None:
-    """Write a picture's bands to a PNG file, which is never in memory as a whole. It is compressed fast, not well."""
-    packed = zlib.compressobj(1)
-    before = np.zeros((size[0], 3), np.uint8)
-    with file.open("wb") as png:
-
-        def part(name: bytes, data: bytes) -> None:
-            png.write(pack(">I", len(data)) + name + data + pack(">I", zlib.crc32(name + data)))
-
-        png.write(b"\x89PNG\r\n\x1a\n")
-        part(b"IHDR", pack(">IIBBBBB", *size, 8, 2, 0, 0, 0))
-        for band in bands:
-            for row in band:
-                up = row - before  # filter 2: the difference to the row above
-                part(b"IDAT", packed.compress(b"\2" + up.tobytes()))
-                before = row
-        part(b"IDAT", packed.flush())
-        part(b"IEND", b"")
-
-
-def write_light(file: Path, bands: Iterator[NDArray[np.float32]]) -> None:
-    """Write a picture's bands of light as a frame, as light.packed does."""
-    packed = zlib.compressobj(1)
-    with file.open("wb") as frame:
-        for band in bands:
-            frame.write(packed.compress(band.astype("<f4").tobytes()))
-        frame.write(packed.flush())
-
-
 def _is_memory_short() -> bool:
     """Return whether this process cannot have a little more memory. Drivers then give other reasons for a fault."""
     try:
@@ -305,7 +278,11 @@ def main() -> None:
             else:
                 sampling = size, asked["rays"], asked["wide_filter"], asked.get("part", 1)
                 bands = drawer.bands(scene, *sampling, kind == "light", lambda part: say(part=part))
-                write_light(target, bands) if kind == "light" else write_png(target, bands, size)
+                picture = np.concatenate([*bands])
+                if kind == "light":
+                    target.write_bytes(packed(picture))
+                else:  # compressed fast, not well
+                    fromarray(picture).save(target, "PNG", compress_level=1, compress_type=RUN_LENGTHS)
         except OSError as error:  # such as a full disk: `gl_runner` raises the error, and this process continues
             say(error=error.strerror or str(error), errno=error.errno)
         except Exception as error:

@@ -6,23 +6,23 @@ import shutil
 import struct
 import subprocess
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
-from itertools import chain, islice, pairwise
+from itertools import chain, pairwise
 from pathlib import Path
-from typing import Any
 
 import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from povgen import remedies, stopping
 from povgen.errors import InputError
 from povgen.files import is_full, temporary_folder
-from povgen.record import Record, into_movie, png_of
-from povgen.rendering.light import exr as exr_library
+from povgen.record import MAX_FRAMES, Record, into_movie, png_of
+from povgen.rendering import light
 from povgen.version import __version__
 
 # Some players show untagged video in wrong colours.
@@ -38,7 +38,6 @@ FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
 # Seconds. A GIF stores the duration of a picture in 16 bits, in hundredths of a second. Equal successive pictures are
 # written once, with the sum of their durations. If all are equal, this sum is the whole movie.
 LONGEST_GIF = 655.35
-GIF_BYTES = 2**25  # of the pictures of a GIF that are in memory at once; Pillow needs several times as much
 # The codec, the format of pixels that it is given, and its options. A keyframe every 6 frames lets players seek to any
 # frame at once. libwebp itself makes YUV of the colours of a WebP file.
 FORMATS = {
@@ -63,7 +62,7 @@ def encode(
     encoder, and OSError if the file is incomplete.
     """
     if output.suffix == ".gif":
-        return _save_gif(iter(pictures), output, rate, bytes(record) if record else b"")
+        return _save_gif(pictures, output, rate, bytes(record) if record else b"")
     codec, pixels, settings = FORMATS[output.suffix]
     ffmpeg, pictures, returned = imageio_ffmpeg.get_ffmpeg_exe(), iter(pictures), 0
     first = next(pictures)
@@ -119,40 +118,20 @@ def _add_cover(movie: Path, time: float) -> None:
         shutil.move(folder / "covered.mp4", movie)
 
 
-def _save_gif(pictures: Iterator[NDArray[np.uint8]], output: Path, rate: float, comment: bytes) -> None:
-    """Write pictures as a GIF.
-
-    Pillow holds all pictures of a GIF in memory. Therefore it writes GIFs of a few pictures, which are joined here.
-    """
-    written = 0
-    with output.open("wb") as file:
-        for first in pictures:
-            few = [first, *islice(pictures, max(GIF_BYTES // first.nbytes, 1) - 1)]
-            durations = gif_durations(len(few), rate, written)
-            header: dict[str, Any] = {} if written else {"loop": 0, "comment": comment}
-            duration = durations if len(durations) > 1 else durations[0]
-            gif = iio.imwrite("<bytes>", few, plugin="pillow", extension=".gif", duration=duration, **header)
-            file.write(_without_header(gif) if written else gif[:-1])
-            written += len(few)
-        file.write(b";")
+def _save_gif(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, comment: bytes) -> None:
+    """Write pictures as a GIF. Pillow holds them in memory, one byte a pixel."""
+    images = map(Image.fromarray, pictures)
+    durations = gif_durations(MAX_FRAMES, rate)
+    next(images).save(output, save_all=True, append_images=images, duration=durations, loop=0, comment=comment)
 
 
-def _without_header(gif: bytes) -> bytes:
-    """Return what is between a GIF's header and its last byte. The first picture gets the header's table of colours."""
-    size = gif[10] & 0b111  # the table has 2^(size + 1) colours, of 3 bytes each
-    start = 13 + (3 << size + 1)
-    image = start + 8  # after the picture's duration
-    flags = bytes([gif[image + 9] | 0b10000000 | size])  # it has a table of its own, of this size
-    return gif[start : image + 9] + flags + gif[13:start] + gif[image + 10 : -1]
-
-
-def gif_durations(frames: int, rate: float, before: int = 0) -> list[int]:
-    """Return each frame's duration in milliseconds, at `rate` frames a second, after `before` other frames.
+def gif_durations(frames: int, rate: float) -> list[int]:
+    """Return each frame's duration in milliseconds, at `rate` frames a second.
 
     A GIF's times are whole hundredths of a second. Each frame's start is rounded, and not its duration, so rounding
     errors do not add up.
     """
-    times = [round(100 * n / rate) for n in range(before, before + frames + 1)]
+    times = [round(100 * n / rate) for n in range(frames + 1)]
     return [10 * (end - start) for start, end in pairwise(times)]
 
 
@@ -226,12 +205,12 @@ def png(picture: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
     return png_of([(b"IHDR", header), (b"IDAT", zlib.compress(filtered.tobytes())), (b"IEND", b"")])
 
 
-def exr(light: NDArray[np.float32], record: Record) -> bytes:
-    """Return light, (height, width, 3), as the bytes of an EXR file of 32-bit numbers.
+def exr(picture: NDArray[np.float32], record: Record) -> bytes:
+    """Return a picture of light, (height, width, 3), as the bytes of an EXR file of 32-bit numbers.
 
     Raises OSError if the disk for temporary files is full.
     """
-    library = exr_library()
+    library = light.exr()
     header = {
         "type": library.scanlineimage,
         "compression": library.ZIP_COMPRESSION,
@@ -242,7 +221,7 @@ def exr(light: NDArray[np.float32], record: Record) -> bytes:
     with temporary_folder() as folder:
         path = folder / "light.exr"
         try:
-            library.File(header, {"RGB": np.ascontiguousarray(light)}).write(str(path))
+            library.File(header, {"RGB": np.ascontiguousarray(picture)}).write(str(path))
         except RuntimeError as error:  # OpenEXR's, of a full disk; its message names the file
             raise OSError(str(error)) from None
         return path.read_bytes()
