@@ -11,7 +11,7 @@ import json
 import sys
 import time
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from io import BytesIO
 from itertools import product
@@ -64,7 +64,7 @@ class Drawer:
         self.sum.clear()
         self.gl.blend_func = moderngl.ONE, moderngl.ONE
 
-    def bands(
+    def picture(
         self,
         scene: dict[str, Any],
         size: tuple[int, int],
@@ -73,24 +73,23 @@ class Drawer:
         part: float = 1,
         is_light: bool = False,
         told: Callable[[float], None] = lambda _: None,
-    ) -> Iterator[NDArray[Any]]:
-        """Yield the picture's rows from top to bottom, in bands (up to TILE, width, 3), with `rays` rays a pixel.
+    ) -> NDArray[Any]:
+        """Return the picture, (height, width, 3), the top row first, with `rays` rays a pixel.
 
-        A band is sRGB bytes, or if `is_light`, light as numbers of 32 bits, where 1 is white. `scene` is what
+        It is sRGB bytes, or if `is_light`, light as numbers of 32 bits, where 1 is white. `scene` is what
         `gl_scene.to_text` wrote, decoded, with bytes of files in place of their names. `size` is width and height.
         A pixel shows the mean of its own rays, or with the wide filter the weighted mean of the rays nearer than one
         pixel (`light.reduced`). A pixel's rays are in a square around its centre, whose side is `part` pixels. After
         each tile, `told` is called with the tile's fraction of the picture.
         """
-        picture, share, display = self._prepared(scene, "shader", "share", "display")
-        set_uniforms(picture, {**scene["uniforms"], "size": size, "first": True, "sum": 0})
+        rays_of, share, display = self._prepared(scene, "shader", "share", "display")
+        set_uniforms(rays_of, {**scene["uniforms"], "size": size, "first": True, "sum": 0})
         set_uniforms(share, {"picture": 0})
         set_uniforms(display, {"size": (TILE, TILE), "canvas": (TILE, TILE), "rays": rays, "sum": 0})
         width, height = size
         sides = range(0, height, TILE), range(0, width, TILE)
         tiles = [(top, left, min(TILE, height - top), min(TILE, width - left)) for top, left in product(*sides)]
-        kind = np.dtype(np.float32 if is_light else np.uint8)
-        band = np.empty((0, width, 3), kind)
+        made = np.empty((height, width, 3), np.float32 if is_light else np.uint8)
         for number, tile in enumerate([*tiles, None]):
             if tile:
                 top, left, high, wide = tile
@@ -98,8 +97,8 @@ class Drawer:
                 for ray in range(rays):
                     x, y = (part * u for u in place(ray, rays, wide_filter))
                     lower_left = x + left - 1, y + height - top - high - 1
-                    set_uniforms(picture, {"jitter": lower_left, "rayNumber": ray})
-                    self._draw(picture, self.rays, (wide + 2, high + 2))
+                    set_uniforms(rays_of, {"jitter": lower_left, "rayNumber": ray})
+                    self._draw(rays_of, self.rays, (wide + 2, high + 2))
                     set_uniforms(share, {"jitter": (x, y) if wide_filter else (0, 0)})
                     self.gl.enable(moderngl.BLEND)
                     self._draw(share, self.sum, (wide, high), self.rays)
@@ -110,14 +109,12 @@ class Drawer:
                     self._draw(display, self.shown, (wide, high), self.sum)
                     self.shown.read_into(self.buffers[number % 2], (0, 0, wide, high), 3, alignment=1)
             if number:  # this waits for the tile before, while a graphics processor draws the next
-                _, left, high, wide = tiles[number - 1]
-                if not left:
-                    band = np.empty((high, width, 3), kind)
-                pixels = self.buffers[(number - 1) % 2].read(kind.itemsize * 3 * wide * high)
-                band[:, left : left + wide] = np.frombuffer(pixels, kind).reshape(high, wide, 3)[::-1]
+                top, left, high, wide = tiles[number - 1]
+                pixels = self.buffers[(number - 1) % 2].read(made.itemsize * 3 * wide * high)
+                shown = np.frombuffer(pixels, made.dtype).reshape(high, wide, 3)
+                made[top : top + high, left : left + wide] = shown[::-1]
                 told(wide * high / (width * height))
-                if left + wide == width:
-                    yield band / kind.type(rays) if is_light else band
+        return made / made.dtype.type(rays) if is_light else made
 
     def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> NDArray[np.float32]:
         """Return ray, shown and met, (3, height, width, 4): povgen/liveview/readout.glsl describes them."""
@@ -277,8 +274,7 @@ def main() -> None:
                 target.write_bytes(drawer.readout(scene, size).tobytes())
             else:
                 sampling = size, asked["rays"], asked["wide_filter"], asked.get("part", 1)
-                bands = drawer.bands(scene, *sampling, kind == "light", lambda part: say(part=part))
-                picture = np.concatenate([*bands])
+                picture = drawer.picture(scene, *sampling, kind == "light", lambda part: say(part=part))
                 if kind == "light":
                     target.write_bytes(packed(picture))
                 else:  # compressed fast, not well

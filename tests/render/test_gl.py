@@ -245,9 +245,8 @@ def test_a_process_forked_after_drawing_is_given_points_too():
 
 def test_tiles_are_the_whole_picture(drawer):
     scene = json.loads(gl_scene.to_text(Chess(), volumes(pieces(Chess()))))
-    (whole,) = drawer(256).bands(scene, (150, 130), 5)
-    bands = [*drawer(64).bands(scene, (150, 130), 5)]
-    assert len(bands) == 3 and np.array_equal(np.concatenate(bands), whole)
+    whole = drawer(256).picture(scene, (150, 130), 5)
+    assert np.array_equal(drawer(64).picture(scene, (150, 130), 5), whole)
 
 
 # ---- As an option ----
@@ -413,7 +412,7 @@ def test_stopping_ends_a_picture(text, runner, tmp_path):
 
     thread = threading.Thread(target=draw)
     thread.start()
-    wait_for(lambda: runner._all and (tmp_path / SMALL.file).exists())
+    wait_for(lambda: runner._all and (tmp_path / gl_runner.SCENE).exists())
     runner.stop()
     thread.join()
     assert errors == ["the drawing was stopped"]  # and not that its picture was drawn first
