@@ -3,10 +3,8 @@
 import logging
 import os
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from itertools import chain
-from shutil import get_terminal_size
-from textwrap import wrap
 from typing import Any, TypeVar, get_args, get_origin
 
 import click
@@ -21,19 +19,11 @@ from povgen.sheets import PAPER, PARAMETERS, USED_BY
 
 F = TypeVar("F", bound=Callable[..., Any])
 OTHERS = "Parameters of other sheets, which povgen list explains"
-INDENT = 20  # characters before the text that says what an option does, in a help
+NAMES = 16  # characters of the column with the names of options, in a help
 AUTO = {
     "sheet": "; or auto: the cheapest within --tolerance",
     "renderer": "; or auto, with --sheet auto: the cheapest within --tolerance",
 }
-
-
-class Argument(click.Argument):
-    """An argument with a text for the help, as click's own have from 8.4 on."""
-
-    def __init__(self, names: Sequence[str], *, help: str, **more: Any) -> None:  # noqa: A002, ANN401  (as click has it)
-        super().__init__(names, **more)
-        self.help = help
 
 
 class FieldOption(click.Option):
@@ -58,13 +48,16 @@ class FieldOption(click.Option):
         )
         self.group = _group(name)
 
+    def get_help_record(self, context: click.Context) -> tuple[str, str]:  # noqa: ARG002  (as click declares it)
+        return self.opts[0], re.sub(r"\(default ([^)]*)\)", r"[\1]", str(self.help))
+
 
 class Command(click.Command):
     """A command whose function gets, in its **values, what the user gives for fields of models: text and Booleans."""
 
     def __init__(self, *names: Any, **more: Any) -> None:  # noqa: ANN401  (as click declares it)
         super().__init__(*names, **more)
-        self.context_settings = {"help_option_names": ["-h", "--help"]}
+        self.context_settings = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 
     def invoke(self, context: click.Context) -> Any:  # noqa: ANN401  (as click declares it)
         """Call the command's function, without warnings if --quiet is given."""
@@ -84,38 +77,21 @@ class Command(click.Command):
         finally:
             logger.setLevel(level)
 
-    def format_help(self, context: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the help: options under headings, in few lines."""
-        width, usage = columns(), [f"Usage: {context.command_path} [OPTIONS]"]
-        groups: dict[str, list[str]] = {"Options": []}
+    def format_options(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, under headings."""
+        groups: dict[str, list[tuple[str, str]]] = {"Options": []}
         for param in self.get_params(context):
-            about, default = getattr(param, "help", None) or "", getattr(param, "show_default", None)
-            if default:
-                about += f" (default {default if isinstance(default, str) else param.default})"
-            if isinstance(param, click.Argument):
-                names = str(param.metavar)
-                usage.append(names)
-            else:
-                names = ", ".join(sorted(param.opts, key=len))
-                names += f" {param.metavar}" if param.metavar and not isinstance(param, FieldOption) else ""
-            about = re.sub(r"\(default:? ([^)]*)\)", r"[\1]", about)
-            groups.setdefault(getattr(param, "group", "Options"), []).extend(item(names, about, width))
-        text = [" ".join(usage)]
-        for paragraph in (self.help or "").split("\n\n"):
-            text += ["", *wrap(" ".join(paragraph.split()), width)]
-        for group, lines in groups.items():
-            if group == OTHERS:
-                names = " ".join(line.split()[0] for line in lines if line.startswith("  --"))
-                lines = wrap(names, width, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False)
-            text += ["", f"{group}:", *lines]
+            if isinstance(param, click.Option) and (record := param.get_help_record(context)):
+                groups.setdefault(getattr(param, "group", "Options"), []).append(record)
+        for group, rows in groups.items():
+            with formatter.section(group):
+                if group == OTHERS:
+                    formatter.write_text(" ".join(name for name, _ in rows))
+                else:
+                    formatter.write_dl(rows, NAMES)
         if "The picture" in groups:
-            text += ["", "In brackets: the defaults. The opposite of a switch: --no-overlay."]
-        formatter.write("\n".join(text) + "\n")
-
-
-def command(function: F) -> Command:
-    """Make a command of a function that is named as its module. Its docstring is its help."""
-    return click.command(function.__module__.rpartition(".")[2], cls=Command)(function)
+            formatter.write_paragraph()
+            formatter.write_text("In brackets: the defaults. The opposite of a switch: --no-overlay.")
 
 
 def fields(*models: str, auto: bool = False) -> Callable[[F], F]:
@@ -168,19 +144,6 @@ def _takes_several(annotation: object) -> bool:
     if get_origin(annotation) is dict:
         return True
     return get_origin(annotation) is tuple and parts[-1] is ... or any(_takes_several(part) for part in parts)
-
-
-def columns() -> int:
-    """Return how wide a help is, in characters: as the terminal, but not so narrow that no word fits."""
-    return min(max(get_terminal_size().columns, 2 * INDENT), 120)
-
-
-def item(names: str, about: str, width: int) -> list[str]:
-    """Return the lines about an option or another name: the name, and beside it what it is."""
-    lines = wrap(about, width - INDENT, break_on_hyphens=False) or [""]
-    if len(names) > INDENT - 3:
-        return [f"  {names}", *(" " * INDENT + line for line in lines)]
-    return [f"  {names:{INDENT - 2}}{lines[0]}", *(" " * INDENT + line for line in lines[1:])]
 
 
 def described(field: FieldInfo) -> str:

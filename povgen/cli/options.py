@@ -7,7 +7,6 @@ from typing import Any, NamedTuple, TypeVar
 
 import click
 
-from povgen.cli.command import Argument
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.files import in_home, output_folder
@@ -23,7 +22,7 @@ from povgen.version import __version__
 Values = dict[str, Any]  # what a user gave, by the parameters' names: texts, several texts, and Booleans of switches
 F = TypeVar("F", bound=Callable[..., Any])
 
-scene = click.argument("scene", cls=Argument, metavar="SCENE", help="chess or spheres")
+scene = click.argument("scene", metavar="SCENE", help="chess or spheres")
 workers = click.option(
     "--workers",
     metavar="N",

@@ -15,7 +15,7 @@ import json
 import lzma
 import sys
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from concurrent.futures import as_completed
 from pathlib import Path
 from typing import NamedTuple
@@ -34,8 +34,7 @@ from povgen.settings import Rendering
 
 GRID = (72, 160, 72)  # points along x, y and z
 MOST = 2.0  # distances up to this many voxels are stored
-# A line of JSON: the place of each piece's field, by the SHA-256 of the text for POV-Ray. Then the fields' bytes, each
-# as the difference to the one before along y, which compress well. `make povgen/rendering/volumes.xz` writes it.
+# JSON: each piece's field, by the SHA-256 of the text for POV-Ray. `make povgen/rendering/volumes.xz` writes it.
 SHIPPED = Path(__file__).with_name("volumes.xz")
 MAX_CROSSINGS = 1 << 24  # bytes of the file in which POV-Ray writes where lines meet surfaces; povgen's have below 2 MB
 
@@ -62,7 +61,7 @@ def _kept(piece: str | PieceFile) -> tuple[str, str, Volume | None]:
     """
     source = to_crossings(piece, GRID, FILE_RADIUS, povray.DATA)
     if shipped := _shipped().get(_hash(source)):
-        return source, "", _volume(*shipped)
+        return source, "", shipped
     try:
         version = povray.version()
     except PovrayError as error:
@@ -77,31 +76,18 @@ def _hash(source: str) -> str:
 
 
 @functools.cache
-def _shipped() -> dict[str, tuple[Sequence[float], NDArray[np.uint8]]]:
-    """Return places and bytes of the fields of povgen's own pieces, by the hash of the text that POV-Ray measured."""
+def _shipped() -> dict[str, Volume]:
+    """Return the fields of povgen's own pieces, by the hash of the text that POV-Ray measured."""
     with lzma.open(SHIPPED) as file:
-        places = json.loads(file.readline())
-        steps = np.frombuffer(file.read(), np.uint8).reshape(-1, *GRID[::-1])
-    fields = np.cumsum(steps, axis=2, dtype=np.uint8)
-    return {key: (place, field) for (key, place), field in zip(places.items(), fields, strict=True)}
+        return {key: Volume(tuple(values["place"]), values["data"]) for key, values in json.load(file).items()}
 
 
 def ship(path: Path = SHIPPED) -> None:
     """Measure povgen's own pieces, and write their distance fields to a file, by default SHIPPED."""
-    sources = [to_crossings(piece, GRID, FILE_RADIUS, povray.DATA) for piece in PIECES]
+    sources = {piece: to_crossings(piece, GRID, FILE_RADIUS, povray.DATA) for piece in PIECES}
     runner = povray.Runner()
-    made = [_measured(piece, source, runner, 100) for piece, source in zip(PIECES, sources, strict=True)]
-    places = {_hash(source): place for source, (place, _) in zip(sources, made, strict=True)}
-    steps = np.diff(np.stack([field for _, field in made]), axis=2, prepend=np.uint8(0))  # modulo 256
-    data = json.dumps(places).encode() + b"\n" + steps.tobytes()
-    path.write_bytes(lzma.compress(data, preset=9 | lzma.PRESET_EXTREME))
-
-
-def _volume(place: Sequence[float], field: NDArray[np.uint8]) -> Volume:
-    """Return a distance field whose bytes (z, y, x) are given."""
-    steps = np.diff(field, axis=0, prepend=np.uint8(0))  # modulo 256
-    x, y, z, side = place
-    return Volume((x, y, z, side), base64.b64encode(zlib.compress(steps.tobytes())).decode())
+    made = {_hash(source): _measured(piece, source, runner, 100)._asdict() for piece, source in sources.items()}
+    path.write_bytes(lzma.compress(json.dumps(made).encode()))
 
 
 @functools.cache
@@ -110,10 +96,8 @@ def _code() -> str:
     return inspect.getsource(sys.modules[__name__])
 
 
-def _measured(
-    piece: str | PieceFile, source: str, runner: povray.Runner, timeout: float
-) -> tuple[Sequence[float], NDArray[np.uint8]]:
-    """Return the place of a piece's distance field, and its bytes (z, y, x).
+def _measured(piece: str | PieceFile, source: str, runner: povray.Runner, timeout: float) -> Volume:
+    """Return a piece's distance field, by POV-Ray.
 
     Raises PovrayError, and InputError for too many surfaces, and for a piece without an inside: empty, flat, open or
     thin.
@@ -137,12 +121,15 @@ def _measured(
     if not (distance < 0).any():
         least = f"no solid part thicker than {place[3]:.2g} tiles, within {FILE_RADIUS:g} tiles of its axis"
         raise InputError(f"{name}: {least}; allowed: a closed piece that is thick enough")
-    return place.tolist(), np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
+    field = np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
+    steps = np.diff(field, axis=0, prepend=np.uint8(0))  # modulo 256
+    x, y, z, side = place.tolist()
+    return Volume((x, y, z, side), base64.b64encode(zlib.compress(steps.tobytes())).decode())
 
 
 def _new(piece: str | PieceFile, source: str, key: str, runner: povray.Runner, timeout: float) -> Volume:
     """Measure a piece's distance field, keep it in the cache, and return it."""
-    made = _volume(*_measured(piece, source, runner, timeout))
+    made = _measured(piece, source, runner, timeout)
     cache.store_values(key, made._asdict())
     return made
 

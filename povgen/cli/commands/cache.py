@@ -5,14 +5,14 @@ from pathlib import Path
 
 import click
 
-from povgen.cli.command import Argument, Command
+from povgen.cli.command import Command
 from povgen.errors import InputError, one_line
 from povgen.progress import counted, tell
 from povgen.rendering import cache
 
 
 @click.command("cache", cls=Command)
-@click.argument("what", cls=Argument, metavar="info|clear", help="print what the cache holds, or empty it")
+@click.argument("what", metavar="info|clear", help="print what the cache holds, or empty it")
 def command(what: str) -> None:
     """Print what the cache holds, or empty it.
 

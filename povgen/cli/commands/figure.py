@@ -5,16 +5,14 @@ from pathlib import Path
 import click
 
 from povgen.cli import options
-from povgen.cli.command import Argument, Command
+from povgen.cli.command import Command
 from povgen.errors import InputError
 from povgen.progress import wrote
 from povgen.settings import Rendering
 
 
 @click.command("figure", cls=Command)
-@click.argument(
-    "numbers", cls=Argument, metavar="NUMBER...", nargs=-1, required=True, help="numbers of figures, 1 to 6"
-)
+@click.argument("numbers", metavar="NUMBER...", nargs=-1, required=True, help="numbers of figures, 1 to 6")
 @options.output("FOLDER", "the folder for pictures and captions", "figures")
 @click.option(
     "--quality",

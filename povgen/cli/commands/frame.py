@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from povgen.cli import options
-from povgen.cli.command import Argument, Command, fields
+from povgen.cli.command import Command, fields
 from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.progress import wrote
@@ -16,7 +16,7 @@ from povgen.video.still import SUFFIXES, as_file, rendering_for
 
 
 @click.command("frame", cls=Command)
-@click.argument("scene", cls=Argument, metavar="[SCENE]", required=False, help="chess or spheres; none with --from")
+@click.argument("scene", metavar="[SCENE]", required=False, help="chess or spheres; none with --from")
 @options.source
 @options.output("FILE", "the file to write, .png or .exr (default frame.png)")
 @options.tolerance

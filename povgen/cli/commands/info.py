@@ -5,12 +5,12 @@ from pathlib import Path
 
 import click
 
-from povgen.cli.command import Argument, Command
+from povgen.cli.command import Command
 from povgen.scene.scenes import recorded
 
 
 @click.command("info", cls=Command)
-@click.argument("file", cls=Argument, type=Path, metavar="FILE", help="a picture or a movie that povgen wrote")
+@click.argument("file", type=Path, metavar="FILE", help="a picture or a movie that povgen wrote")
 def command(file: Path) -> None:
     """Print, as JSON, how a picture or a movie was made: its record, with every parameter."""
     record, _ = recorded(file)

@@ -2,7 +2,7 @@
 
 import click
 
-from povgen.cli.command import Command, columns, described, item
+from povgen.cli.command import NAMES, Command, described
 from povgen.optics.glasses import GLASSES, index
 from povgen.progress import tell
 from povgen.scene.pieces import PIECES
@@ -16,16 +16,14 @@ from povgen.sheets.parameters import WAVELENGTH
 def command() -> None:
     """List the scenes with their parameters, the kinds of sheets, the pieces, the glasses, and povgen's own movies."""
 
-    def show(name: str, about: str) -> None:
-        tell("\n".join(item(name, about, columns())))
-
+    formatter = click.HelpFormatter(max_width=120)
     for name, scene in SCENES.items():
-        tell(f"{name}: {scene.subject}")
-        for field, info in scene.model_fields.items():
-            show(f"--{field.replace('_', '-')}", described(info))
-    tell("sheets:")
-    for kind in SHEETS.values():
-        show(kind.name, kind.does)
+        with formatter.section(f"{name}: {scene.subject}"):
+            rows = [(f"--{field.replace('_', '-')}", described(info)) for field, info in scene.model_fields.items()]
+            formatter.write_dl(rows, NAMES)
+    with formatter.section("sheets"):
+        formatter.write_dl([(kind.name, kind.does) for kind in SHEETS.values()], NAMES)
+    tell(formatter.getvalue())
     tell(f"pieces: {', '.join(PIECES)}")
     tell(f"glasses, n at {WAVELENGTH} nm: {', '.join(f'{x} {index(x, WAVELENGTH * 1e-9):.4f}' for x in GLASSES)}")
     for path in sorted(MOVIES.glob("*.toml")):

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from povgen.cli import options
-from povgen.cli.command import Argument, Command, fields
+from povgen.cli.command import Command, fields
 from povgen.cli.options import Values
 from povgen.errors import InputError, TransientError, one_line
 from povgen.progress import bar, counted, tell, wrote
@@ -23,7 +23,6 @@ from povgen.video.build import Film, FilmOptions, Plan, check_views, film, plann
 @click.command("movie", cls=Command)
 @click.argument(
     "spec",
-    cls=Argument,
     metavar="[SPEC]",
     required=False,
     help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene (chess or "
