@@ -53,13 +53,12 @@ def window_rays(scene: Scene, size: Size) -> WindowRays:
 def positions(scenes: Sequence[Positions], size: Size) -> Numbers:
     """Return the greatest distance, px, of an apparent position from `Scene.apparent_position`, and for one window that
     rotates light also the greatest error of nu, degrees, and of M, percent."""
-    off, turn, scale = [], [], []
-    for scene, seen in located(scenes, size):
-        r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
-        off.append(px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))))
-        turn.append(degrees(abs(np.angle(seen.a * np.exp(-1j * equations.nu(r, alpha))))))
-        scale.append(100 * abs(abs(seen.a) / equations.M(r, alpha) - 1))
-    return np.max(off), np.max(turn), np.max(scale)  # numpy's max keeps NaN
+    off = [
+        (px(abs(seen.position - scene.apparent_position(scene.L, scene.z1))), *_turn_and_scale(scene, seen.a))
+        for scene, seen in located(scenes, size)
+    ]
+    place, turn, scale = np.max(off, axis=0)  # numpy's max keeps NaN
+    return place, turn, scale
 
 
 def directions(scenes: Sequence[Directions], size: Size) -> Numbers:
@@ -92,13 +91,17 @@ def _through_ideal(scene: Scene, direction: Floats) -> tuple[Mask, Floats]:
 
 def pieces(scenes: Sequence[PiecePositions], size: Size) -> Numbers:
     """Return the greatest error of nu, degrees, and of M, percent, of chess pieces."""
-    turn, scale = [], []
-    for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
-        a = about_eye(scene, decoded, size)
-        r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
-        turn.append(degrees(abs(np.angle(a * np.exp(-1j * equations.nu(r, alpha))))))
-        scale.append(100 * abs(abs(a) / equations.M(r, alpha) - 1))
-    return np.max(turn), np.max(scale)
+    seen = zip(scenes, probes.decoded(scenes, size), strict=True)
+    off = [_turn_and_scale(scene, about_eye(scene, decoded, size)) for scene, decoded in seen]
+    turn, scale = np.max(off, axis=0)
+    return turn, scale
+
+
+def _turn_and_scale(scene: Positions | PiecePositions, a: complex) -> Numbers:
+    """Return the errors of nu, degrees, and of M, percent, of an object that appears turned and scaled by `a`."""
+    r, alpha = scene.z2 / scene.z1, radians(scene.alpha)
+    turn = degrees(abs(np.angle(a * np.exp(-1j * equations.nu(r, alpha)))))
+    return turn, 100 * abs(abs(a) / equations.M(r, alpha) - 1)
 
 
 def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:

@@ -52,6 +52,7 @@ class _Probe(Scene):
     The window is smaller than that of other scenes, because the limits of the methods were measured with this size.
     """
 
+    is_coded: ClassVar[bool] = True  # otherwise what is behind the window is white
     rim: ClassVar[float] = 0.13
     aperture: float = APERTURE
     view: float = VIEW
@@ -100,15 +101,13 @@ class Positions(_Probe):
 class Light(Positions):
     """A white square parallel to the sheets, with its centre at L, in front of black."""
 
-    name: ClassVar[str] = "probes/light"
-    subject: ClassVar[str] = "a white square, for the share of its light that comes through the window"
+    is_coded: ClassVar[bool] = False
 
 
-class White(_Probe):
+class White(Directions):
     """White surroundings, infinitely far away, for the share of their light that reaches the eye through the window."""
 
-    name: ClassVar[str] = "probes/white"
-    subject: ClassVar[str] = "white surroundings, for the share of their light that comes through the window"
+    is_coded: ClassVar[bool] = False
 
 
 class PiecePositions(Chess):

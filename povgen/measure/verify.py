@@ -251,7 +251,7 @@ def light() -> Iterator[Check]:
     for sheet, z2 in (("detailed", 6), ("single", 60)):
         line = f"--fresnel, z2 = {z2}: brightness of the window ({{1:.3f}}, {{2:.1f}} % reflected), ray trace", 0.005
         white = White(sheet=sheet, z2=z2, fresnel=True, **usual)
-        yield Check(sheet, compare.reflected_light, [white], [line], wrong=wrong)
+        yield Check("detailed", compare.reflected_light, [white], [line], wrong=wrong)
 
 
 def single_sheets() -> Iterator[Check]:

@@ -4,7 +4,6 @@ In drawings of space the z axis points to the left, so that light travels to the
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import degrees, pi, radians
 from pathlib import Path
 
@@ -45,13 +44,7 @@ PRINT = {"font.size": 10, "axes.titleweight": "normal", "axes.titlesize": 10, "f
 CONSTANT_ALPHA, CONSTANT_R = "#0b5fa5", "#d1603d"
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A figure, the data for its caption, and whether it is a line drawing, which is also saved as SVG."""
-
-    figure: Figure
-    data: dict[str, object]
-    lines: bool = False
+Captioned = tuple[Figure, dict[str, object]]  # a figure, and the data for its caption
 
 
 def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
@@ -60,15 +53,16 @@ def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
     figureN.md is the caption.
     """
     with style(**PRINT):
-        drawn = FIGURES[number](rendering)
-        pictures = [folder / f"figure{number}{suffix}" for suffix in ([".png", ".svg"] if drawn.lines else [".png"])]
-        save_drawing(drawn.figure, *pictures)
+        figure, data = FIGURES[number](rendering)
+        kinds = [".png", ".svg"] if number in LINES else [".png"]
+        pictures = [folder / f"figure{number}{kind}" for kind in kinds]
+        save_drawing(figure, *pictures)
     caption = folder / f"figure{number}.md"
-    save(to_caption(number, drawn.data).encode(), caption)
+    save(to_caption(number, data).encode(), caption)
     return [*pictures, caption]
 
 
-def dove_prism_sheet(rendering: Rendering) -> Drawn:
+def dove_prism_sheet(rendering: Rendering) -> Captioned:
     """Draw figure 1: a sheet in space, the real path of a ray, that of a mirrored ray, and the section of one prism."""
     count, half = 5, 1.7
     prism = Prism(1.0)
@@ -99,7 +93,7 @@ def dove_prism_sheet(rendering: Rendering) -> Drawn:
     write(ax, corner + (-0.1, 0.15), "mirror plane", ha="right", color=GREY, fontsize=8)
     _section(figure.add_axes((0.67, 0.0, 0.32, 1)), prism, ray)
     _letters(figure, (0.01, 0.92), (0.67, 0.92))
-    return Drawn(figure, {"ray": ray}, lines=True)
+    return figure, {"ray": ray}
 
 
 def _section(ax: Axes, prism: Prism, ray: agreement.RayThroughSheet) -> None:
@@ -127,7 +121,7 @@ def _section(ax: Axes, prism: Prism, ray: agreement.RayThroughSheet) -> None:
     ax.set(xlim=(before[0] - 0.1, side + 0.35), ylim=(low - 1.5, low + prism.height + 0.55))
 
 
-def mirroring(rendering: Rendering) -> Drawn:
+def mirroring(rendering: Rendering) -> Captioned:
     """Draw figure 2: mirroring a picture about the vertical, then about an axis at alpha/2, rotates it by alpha."""
     alpha = radians(32)
     scene = Chess(sheet="none", z1=2.2, eye=(0, -0.58))
@@ -154,10 +148,10 @@ def mirroring(rendering: Rendering) -> Drawn:
     panels[2].plot(*xy(np.array([-1.3, 1.42]) * made.axes[0]), ":", color="black", linewidth=1)
     arc(panels[2], 0, 1.2, pi / 2, pi / 2 - alpha, r"$\alpha$", 0.15)
     arc(panels[2], 0, 1.12, -pi / 2, -pi / 2 - alpha / 2, r"$\alpha/2$", 0.19)
-    return Drawn(figure, {"alpha": degrees(alpha), "made": made}, lines=True)
+    return figure, {"alpha": degrees(alpha), "made": made}
 
 
-def vary_alpha(rendering: Rendering) -> Drawn:
+def vary_alpha(rendering: Rendering) -> Captioned:
     """Draw figure 3: frames of the alpha movie, with predicted images."""
     scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
     measured = agreement.pieces(scenes)
@@ -171,10 +165,10 @@ def vary_alpha(rendering: Rendering) -> Drawn:
         outline = outlines(scene, 0.005)
         for size, colour in ((2.4, "white"), (1.2, "#e100c4")):
             ax.plot(*xy(outline), ".", markersize=size, markeredgewidth=0, color=colour)
-    return Drawn(figure, {"pieces": measured})
+    return figure, {"pieces": measured}
 
 
-def vary_z1(rendering: Rendering) -> Drawn:
+def vary_z1(rendering: Rendering) -> Captioned:
     """Draw figure 4: frames of the z1 movie. An inset magnifies the piece of the last frame."""
     scenes = [Chess(alpha=90, z1=z1) for z1 in (0.6, 1.5, 3, 6, 15, 30)]
     measured = agreement.pieces(scenes)
@@ -187,10 +181,10 @@ def vary_z1(rendering: Rendering) -> Drawn:
     inset.set(xticks=[], yticks=[])
     inset.spines[:].set_visible(True)
     panels[-1].indicate_inset((-half, -half, 2 * half, 2 * half), inset, edgecolor="black", alpha=1)
-    return Drawn(figure, {"pieces": measured, "horizon": agreement.horizon_angle(90)})
+    return figure, {"pieces": measured, "horizon": agreement.horizon_angle(90)}
 
 
-def geometry(rendering: Rendering) -> Drawn:
+def geometry(rendering: Rendering) -> Captioned:
     """Draw figure 5: a ray from L through P to E in space, its projection, and the circles on which P lies."""
     alpha, z1, z2 = radians(60), 1.3, 2.6
     figure = Figure(figsize=(WIDTH, 6.3))
@@ -205,10 +199,10 @@ def geometry(rendering: Rendering) -> Drawn:
     ):
         figure.text(x, y, text, fontsize=9)
     traced = agreement.trace_through_P(alpha, z1, z2)
-    return Drawn(figure, {"alpha": degrees(alpha), "traced": traced}, lines=True)
+    return figure, {"alpha": degrees(alpha), "traced": traced}
 
 
-def spheres(rendering: Rendering) -> Drawn:
+def spheres(rendering: Rendering) -> Captioned:
     """Draw figure 6: frames of the spheres movie, with predicted positions and the curve on which they lie."""
     scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 135)]
     figure, panels = _montage(scenes, rendering, [_at_angle(scene) for scene in scenes], 1.3)
@@ -229,14 +223,14 @@ def spheres(rendering: Rendering) -> Drawn:
     point_at(panels[3], xy(position), "predicted position", (0.62, -1.15))
     curve = max(np.concatenate(overlay.loci(scenes[4])[0][0]), key=lambda z: z.real - z.imag)
     point_at(panels[4], xy(curve), "predicted at all $z_1$", (0.6, -1.15), CONSTANT_ALPHA)
-    return Drawn(figure, {"spheres": agreement.spheres(scenes)})
+    return figure, {"spheres": agreement.spheres(scenes)}
 
 
 def _at_angle(each: Scene | agreement.PieceAgreement) -> str:
     return rf"$\alpha$ = {each.alpha:g}°"
 
 
-FIGURES: dict[int, Callable[[Rendering], Drawn]] = {
+FIGURES: dict[int, Callable[[Rendering], Captioned]] = {
     1: dove_prism_sheet,
     2: mirroring,
     3: vary_alpha,
@@ -244,6 +238,7 @@ FIGURES: dict[int, Callable[[Rendering], Drawn]] = {
     5: geometry,
     6: spheres,
 }
+LINES = 1, 2, 5  # line drawings, which are also saved as SVG
 
 
 def _letters(figure: Figure, *places: tuple[float, float]) -> None:

@@ -108,13 +108,13 @@ def binary() -> str:
     return os.path.abspath(found)  # the program is started in other folders
 
 
-def max_memory(at_once: int = 1, pixels: float = 0, shown: int = 0) -> int:
+def max_memory(at_once: int = 1, pixels: float = 0, pictures_shown: int = 0) -> int:
     """Return how many bytes of address space each of `at_once` POV-Ray processes gets, for a picture of `pixels`.
 
-    `shown` is how many pictures of sky and floor the scene shows.
+    `pictures_shown` is how many pictures of sky and floor the scene shows.
     """
     machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    share = max(machine // at_once, LEAST_MEMORY + round(PIXEL_MEMORY * pixels) + PICTURE_MEMORY * shown)
+    share = max(machine // at_once, LEAST_MEMORY + round(PIXEL_MEMORY * pixels) + PICTURE_MEMORY * pictures_shown)
     return min(MAX_MEMORY, share, _own(resource.RLIMIT_AS), _own(resource.RLIMIT_DATA))
 
 
