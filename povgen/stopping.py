@@ -19,10 +19,11 @@ SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
 # Seconds for the two steps of the end: until nobody starts a process, and until everything is removed. Together they
 # are less than 2.
 TO_LOCK, TO_REMOVE = 0.4, 1.4
-MESSAGE = b"povgen: stopped; the same command goes on from the frames that are finished\n"
+MESSAGE, GOES_ON = b"povgen: stopped", b"; the same command goes on from the frames that are finished"
 SHOW_CURSOR = b"\x1b[?25h"  # a progress bar hides it
 
 lock = RLock()  # held while a process is started; at the end, nobody gets it any more
+keeps_frames = False  # whether frames are rendered into the cache
 processes: set[Any] = set()  # POV-Rays and Pythons that run, of type subprocess.Popen, which is slow to load
 _unfinished: dict[str, Callable[[str], object]] = {}  # paths, and the functions that remove them
 
@@ -81,7 +82,7 @@ def _watch(reads: int) -> None:
     with suppress(OSError, ValueError, AttributeError):  # closed or missing
         stderr = sys.stderr.fileno()
         if select.select([], [stderr], [], 0)[1]:
-            os.write(stderr, SHOW_CURSOR * os.isatty(stderr) + MESSAGE)
+            os.write(stderr, SHOW_CURSOR * os.isatty(stderr) + MESSAGE + GOES_ON * keeps_frames + b"\n")
     os._exit(128 + number)
 
 

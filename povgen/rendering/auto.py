@@ -27,7 +27,7 @@ from povgen.optics import equations
 from povgen.rendering import gl_runner, gl_scene, povray, surveys
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.frames import read_png
-from povgen.rendering.light import Picture, reduced
+from povgen.rendering.light import Picture
 from povgen.rendering.parallel import default_workers, thread_pool
 from povgen.rendering.views import check_gl, views
 from povgen.rendering.volumes import volumes
@@ -247,20 +247,11 @@ class _Trial:
         return replace(candidate, flip=worst[0], margin=worst[1])
 
     def _pictures(self, sheet: str, antialias: str) -> list[Picture]:
-        factor = Rendering(antialias=antialias).supersampling
-
         def render(source: str, part: Mosaic) -> Picture:
-            # each block is reduced by itself: its neighbours in the mosaic are not those in the picture
-            side, columns, rows = round(factor * part.side), len(part.blocks[0]), len(part.blocks)
-            own = "off" if factor > 1 else antialias
-            rendering = _MosaicRendering(size=(side * columns, side * rows), antialias=own, timeout=self.timeout)
+            size = part.side * len(part.blocks[0]), part.side * len(part.blocks)
+            rendering = _MosaicRendering(size=size, antialias=antialias, timeout=self.timeout)
             with temporary_folder() as folder:
-                picture = read_png(runner.run(source, rendering, folder))
-            if factor == 1:
-                return picture
-            blocks = picture.reshape(rows, side, columns, side, 3).swapaxes(1, 2)
-            small = [[reduced(block, (part.side, part.side)) for block in row] for row in blocks]
-            return np.vstack([np.hstack(row) for row in small])
+                return read_png(runner.run(source, rendering, folder))
 
         povray.warn_of(piece for scene, _ in self.mosaics for piece in pieces(scene).values())
         runner = povray.Runner(at_once=max(1, min(default_workers(), len(self.mosaics))))

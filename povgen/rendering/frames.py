@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL.PngImagePlugin import PngImageFile
 
+from povgen import stopping
 from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.files import temporary_folder
 from povgen.rendering import cache, gl_runner, gl_scene, light, povray, surveys
@@ -83,7 +84,7 @@ def render_all(
     error ends the rendering at once. Finished frames stay in the cache. At the end, the cache is trimmed to its limit.
     """
     cache.check()
-    most = cache.max_bytes()
+    most, stopping.keeps_frames = cache.max_bytes(), True
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     failures = []
     shown = [views(scene, rendering) for scene in scenes]
