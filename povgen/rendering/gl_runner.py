@@ -5,23 +5,22 @@ import os
 import re
 import signal
 import subprocess
-import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
+from itertools import takewhile
 from pathlib import Path
-from select import POLLIN, poll
+from threading import Event, Timer
 from typing import Any
 
 from povgen import remedies, stopping
 from povgen.errors import InputError, PovrayError, TransientError, one_line
-from povgen.rendering.parallel import cores, end, python
+from povgen.rendering.parallel import cores, end, python, tried
 from povgen.scene import pictures
 from povgen.settings import Rendering
 
 SCENE = "scene.json"
-TRIES = 2
 START = 60.0  # seconds in which a process is ready to draw
 # On a graphics processor, more processes make a movie little faster (docs/speed.md), and each needs its memory.
 ON_GPU = 4
@@ -103,7 +102,7 @@ class Runner:
             process = self._taken()
             return process, self._answer(process, timeout, request)
 
-        answer = self._tried(drawn)
+        answer = self._idle_after(drawn)
         if answer.get("errno"):
             raise OSError(answer["errno"], answer["error"], str(folder))
         if "error" in answer:
@@ -116,7 +115,7 @@ class Runner:
         Raises InputError if this system cannot draw, TransientError if two processes crash or hang, and PovrayError if
         they were stopped.
         """
-        answer = self._tried(self._started)
+        answer = self._idle_after(self._started)
         return f"{answer['device']}, OpenGL {answer['version']}"
 
     def stop(self) -> None:
@@ -131,18 +130,11 @@ class Runner:
                 with self._idle.pop():  # no thread reads from these pipes
                     pass
 
-    def _tried(self, work: Callable[[], Answer]) -> dict[str, Any]:
-        """Return what a process answers. If the process crashes or hangs, `work` is called once more."""
-        for attempt in range(1, TRIES + 1):
-            try:
-                process, answer = work()
-            except TransientError as fault:
-                if attempt == TRIES:
-                    raise TransientError(f"{fault}, {TRIES} times; {POVRAY}") from None
-            else:
-                self._idle.append(process)
-                return answer
-        raise AssertionError("no tries")
+    def _idle_after(self, work: Callable[[], Answer]) -> dict[str, Any]:
+        """Return what a process answers, which then waits for the next picture. A crash or a hang is tried again."""
+        process, answer = tried(work, f"; {POVRAY}")
+        self._idle.append(process)
+        return answer
 
     def _taken(self) -> "subprocess.Popen[bytes]":
         with suppress(IndexError):
@@ -172,26 +164,30 @@ class Runner:
     ) -> dict[str, Any]:
         """Return the line with which a process answers. Raises TransientError, and ends the process, if none comes."""
         assert process.stdin and process.stdout
-        text, end, ready = b"", time.monotonic() + timeout, True
-        if asked:
-            with suppress(OSError):  # it has ended
-                process.stdin.write(json.dumps(asked).encode() + b"\n")
-                process.stdin.flush()
-        waiting = poll()  # `select` allows no descriptors from 1024
-        waiting.register(process.stdout, POLLIN)
-        # os.read uses no buffer of Python's: `poll` would not see bytes that wait in such a buffer
-        while ready := bool(waiting.poll(1000 * max(0, end - time.monotonic()))):
-            if not (block := os.read(process.stdout.fileno(), 1 << 16)):
-                break
-            *lines, text = (text + block).split(b"\n")
-            for answer in map(json.loads, lines):
+        late = Event()
+
+        def end_late() -> None:
+            late.set()
+            process.kill()
+
+        timer = Timer(timeout, end_late)
+        timer.start()
+        try:
+            if asked:
+                with suppress(OSError):  # it has ended
+                    process.stdin.write(json.dumps(asked).encode() + b"\n")
+                    process.stdin.flush()
+            # the last line of a process that crashes may be cut off
+            for answer in map(json.loads, takewhile(lambda line: line.endswith(b"\n"), process.stdout)):
                 if "part" not in answer:
                     return dict(answer)
                 if self._part:
                     self._part(answer["part"])
+        finally:
+            timer.cancel()
         self._end(process)
         self._check()
-        if not ready:
+        if late.is_set():
             limit = "(--timeout)" if asked else "to start"
             raise TransientError(f"the drawing process took longer than {timeout:g} s {limit} and was stopped")
         status = process.returncode

@@ -14,7 +14,7 @@ from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from typing import Any, Protocol, TypeVar
 
 from povgen import stopping
-from povgen.errors import InputError, shown
+from povgen.errors import InputError, TransientError, shown
 from povgen.settings import Rendering
 
 # POV-Ray sleeps about 0.65 s during each frame, even if the frame costs nothing. This many keep a core busy.
@@ -107,6 +107,19 @@ def end(process: "subprocess.Popen[bytes]") -> None:
     process.wait()
     with stopping.lock:
         stopping.processes.discard(process)
+
+
+def tried(work: Callable[[], Result], allowed: str = "") -> Result:
+    """Return what `work` returns. If it raises TransientError, it is called once more, because chance may be the cause.
+
+    Raises TransientError if that fails too. `allowed` is added to the message.
+    """
+    with suppress(TransientError):
+        return work()
+    try:
+        return work()
+    except TransientError as fault:
+        raise TransientError(f"{fault}, 2 times{allowed}") from None
 
 
 def computed(

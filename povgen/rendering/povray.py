@@ -25,6 +25,7 @@ import platformdirs
 from povgen import files, remedies, stopping
 from povgen.errors import PovrayError, TransientError, one_line, shown
 from povgen.rendering import light, sandbox
+from povgen.rendering.parallel import tried
 from povgen.scene import pictures
 from povgen.scene.pieces import PieceFile
 from povgen.scene.sdl import origin_of
@@ -46,7 +47,6 @@ read* = /usr/share/fonts
 read+write = .
 """
 OLDEST = (3, 7)
-TRIES = 2
 # Limits for one POV-Ray process. If povgen's own limits (ulimit) are lower, they apply.
 MAX_MEMORY = 8 << 30  # bytes of address space
 # POV-Ray processes that run at once share this machine's memory. Each gets at least these bytes: for itself, for each
@@ -227,13 +227,8 @@ class Runner:
         is not always the cause. Raises TransientError, a kind of PovrayError, if both tries fail. Raises another
         PovrayError if POV-Ray is missing, refuses the scene or was stopped. Raises OSError if the disk is full.
         """
-        for attempt in count(1):
-            try:
-                path = self._run(source, rendering, folder.resolve() / str(attempt))
-                break
-            except TransientError as fault:
-                if attempt == TRIES:
-                    raise TransientError(f"{fault}, {TRIES} times") from None
+        attempts = count(1)
+        path = tried(lambda: self._run(source, rendering, folder.resolve() / str(next(attempts))))
         if rendering.is_light or rendering.supersampling > 1:
             if rendering.is_light:
                 return light.from_exr(path, rendering.size)
