@@ -86,11 +86,6 @@ def _frame() -> str:
     return "a chess piece seen through two sheets of 100 prisms, 64x48 pixels"
 
 
-def _gl() -> str:
-    """Return which device the renderer gl draws with."""
-    return gl_runner.device()
-
-
 def _encode() -> str:
     import imageio_ffmpeg
 
@@ -101,11 +96,7 @@ def _encode() -> str:
 
 PARTS = (
     Part("POV-Ray", lambda: povray.version(), f"install it: {remedies.system('povray')}"),
-    Part(
-        "temporary files",
-        _room,
-        "make room in this folder, or name another in TMPDIR",
-    ),
+    Part("temporary files", _room, "make room in this folder, or name another in TMPDIR"),
     Part(
         "cache",
         lambda: _room(cache.made()),
@@ -120,15 +111,10 @@ PARTS = (
         ("POV-Ray", "temporary files", "sandbox", "limits"),
     ),
     Part(
-        "renderer gl",
-        _gl,
+        "renderer gl",  # POV-Ray does not need it
+        lambda: gl_runner.device(),
         "reinstall it: pip install --force-reinstall moderngl; update the graphics driver",
-        optional=True,  # POV-Ray does not need it
+        optional=True,
     ),
-    Part(
-        "encoder",
-        _encode,
-        f"unset IMAGEIO_FFMPEG_EXE, or install ffmpeg: {encode.REMEDY}",
-        ("temporary files",),
-    ),
+    Part("encoder", _encode, f"unset IMAGEIO_FFMPEG_EXE, or install ffmpeg: {encode.REMEDY}", ("temporary files",)),
 )

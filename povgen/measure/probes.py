@@ -4,7 +4,7 @@ A position in the picture is a complex number x + iy: tiles in the plane z = 0, 
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -122,28 +122,31 @@ class PiecePositions(Chess):
 
 def brightness(scene: Light | White, size: Size) -> Floats:
     """Render a probe, and return how bright its pixels are, (height, width): 1 for white."""
-    with temporary_folder() as folder:
-        colours = _read(povray.run(to_pov(scene), LinearRendering(size), folder))
+    (colours,) = _colours([scene], size)
     return np.asarray(colours[..., 0])
 
 
-def decoded(scenes: Iterable[Scene], size: Size) -> Iterator[Floats]:
+def decoded(scenes: Sequence[Scene], size: Size) -> Iterator[Floats]:
     """Render probes, and yield the numbers that the pixels of each probe encode, (height, width, 3).
 
     The probes keep their order. The numbers are x, y and z of directions, or of positions in tiles. They are NaN where
     a pixel encodes nothing. Raises PovrayError if a probe cannot be rendered.
     """
-    rendering = LinearRendering(size)
-
-    def measure(scene: Scene, source: str) -> Floats:
-        with temporary_folder() as folder:
-            colours = _read(runner.run(source, rendering, folder))
+    for scene, colours in zip(scenes, _colours(scenes, size), strict=True):
         numbers = np.where(colours.any(-1, keepdims=True), (colours - 0.5) / 0.49, np.nan)
-        return numbers * float(getattr(scene, "extent", 1))
+        yield numbers * float(getattr(scene, "extent", 1))
 
-    scenes, runner = list(scenes), povray.Runner()
+
+def _colours(scenes: Sequence[Scene], size: Size) -> Iterator[Floats]:
+    """Render probes, and yield their colours, (height, width, 3), from 0 to 1."""
+
+    def rendered(source: str) -> Floats:
+        with temporary_folder() as folder:
+            return _read(runner.run(source, LinearRendering(size), folder))
+
+    runner = povray.Runner()
     with thread_pool(runner) as pool:
-        yield from pool.map(measure, scenes, map(to_pov, scenes))
+        yield from pool.map(rendered, map(to_pov, scenes))
 
 
 def _read(path: Path) -> Floats:

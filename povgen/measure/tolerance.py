@@ -34,6 +34,7 @@ ARCMINUTE = np.pi / 180 / 60
 QUANTITIES = ("seen_x", "seen_y", "seen_nu", "seen_M", "blur")
 
 Floats = NDArray[np.float64]
+Seen = Floats  # the QUANTITIES of several scenes, (5, n), or of one scene
 
 
 class Spread(Model):
@@ -92,9 +93,9 @@ def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | Non
         less, more = (end.error.get(name, 0.0) - scene.error.get(name, 0.0) for end in both)
         if less == more:
             raise InputError(f"error: {name}: the scene allows neither less nor more of it")
-        before, after = seen.at(2 * number + 1), seen.at(2 * number + 2)
+        before, after = seen[:, 2 * number + 1], seen[:, 2 * number + 2]
         if "tilt" in name and less and more:
-            sides = [_change(scene, seen.at(0), end) for end in (before, after)]
+            sides = [_change(scene, seen[:, 0], end) for end in (before, after)]
             found[name] = _tilted(np.divide(sides[0], -less), np.divide(sides[1], more))
         else:
             found[name] = Change(*(each / (more - less) for each in _change(scene, before, after)))
@@ -151,7 +152,7 @@ def builds(scene: Scene, made: Sequence[Scene], workers: int | None = None, sche
     They are compared with the scene. `workers` and `scheduler` are as for `rendering.results.results`.
     """
     seen = _seen([scene, *made], workers, scheduler)
-    change = _change(scene, seen.at(0), seen.at(slice(1, None)))
+    change = _change(scene, seen[:, :1], seen[:, 1:])
     return Change(*map(abs, change))
 
 
@@ -161,18 +162,6 @@ def percentile(changes: Floats, share: float) -> float:
     If a build does not show the object, its change counts as infinite.
     """
     return float(np.percentile(np.nan_to_num(changes, nan=np.inf, posinf=np.inf), share, method="higher"))
-
-
-class _Seen(NamedTuple):
-    """`scene.quantities.Seen` of several scenes."""
-
-    position: NDArray[np.complex128]
-    nu: Floats
-    M: Floats
-    blur: Floats
-
-    def at(self, which: int | slice) -> "_Seen":
-        return _Seen(self.position[which], self.nu[which], self.M[which], self.blur[which])
 
 
 def _check(scene: Scene) -> None:
@@ -187,28 +176,29 @@ def _check(scene: Scene) -> None:
         )
 
 
-def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> _Seen:
+def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> Seen:
     table = results(scenes, *QUANTITIES, workers=workers, scheduler=scheduler)
-    return _Seen(table["seen_x"] + 1j * table["seen_y"], table["seen_nu"], table["seen_M"], table["blur"])
+    return np.stack([table[name] for name in QUANTITIES])
 
 
-def _change(scene: Scene, before: _Seen, after: _Seen) -> Change:
-    first, second = (_direction(scene, each.position) for each in (before, after))
-    angle = 2 * np.arcsin(np.linalg.norm(second - first, axis=-1) / 2)
-    turned = (after.nu - before.nu + 180) % 360 - 180
+def _change(scene: Scene, before: Seen, after: Seen) -> Change:
+    """Return how differently an object appears."""
+    (x, y, nu, M, _), (x1, y1, nu1, M1, _) = before, after
+    angle = 2 * np.arcsin(np.linalg.norm(_direction(scene, x1 + 1j * y1) - _direction(scene, x + 1j * y), axis=-1) / 2)
     blurred = _blur_angle(scene, after) - _blur_angle(scene, before)
-    return Change(angle / ARCMINUTE, turned, 100 * (after.M / before.M - 1), blurred / ARCMINUTE)
+    return Change(angle / ARCMINUTE, (nu1 - nu + 180) % 360 - 180, 100 * (M1 / M - 1), blurred / ARCMINUTE)
 
 
-def _blur_angle(scene: Scene, seen: _Seen) -> Floats:
+def _blur_angle(scene: Scene, seen: Seen) -> Floats:
     """Return the RMS blur as the eye sees it, radians.
 
     D is the distance from the eye to the position. From the eye, a unit of length in the plane z = 0 is seen at an
     angle: z2/D^2 along the plane that contains the line of sight and the normal, and 1/D perpendicular to that plane.
     The blur is taken as equal in all directions.
     """
-    square = scene.z2**2 + abs(seen.position - scene.E) ** 2
-    return np.asarray(seen.blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2))
+    x, y, _, _, blur = seen
+    square = scene.z2**2 + abs(x + 1j * y - scene.E) ** 2
+    return np.asarray(blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2))
 
 
 def _direction(scene: Scene, position: NDArray[np.complex128]) -> Floats:

@@ -36,29 +36,35 @@ class Extent(NamedTuple):
     from_above: bool
 
 
-class Drawn(NamedTuple):
+class Thing(NamedTuple):
     """An object, or its image, in a side view: x + iy of its points in the plane z, tiles."""
 
-    z: float
+    from_above: bool
+    is_disc: bool  # as spheres are, and from above the feet of pieces; otherwise it is an arrow
+    z: float  # of an image NaN if light from the object never comes together, and infinite if it is parallel
     place: complex  # of a piece the centre of its foot, of a sphere its centre
     tip: complex  # of the arrow that stands for a piece
     rim: complex  # a point on the circle of a sphere, or of a piece's foot
 
-    def radius(self, discs: bool) -> float:
-        """Return the radius of the disc that is drawn, or 0 for an arrow."""
-        return abs(self.rim - self.place) if discs else 0.0
+    @property
+    def radius(self) -> float:
+        """The radius of the disc that is drawn, or 0 for an arrow."""
+        return abs(self.rim - self.place) if self.is_disc else 0.0
 
-    def heights(self, from_above: bool, discs: bool) -> list[float]:
-        """Return how high its ends are in the view."""
-        middle, radius = _height(self.place, from_above), self.radius(discs)
-        return [middle - radius, middle + radius] if discs else [middle, _height(self.tip, from_above)]
+    @property
+    def heights(self) -> list[float]:
+        """How high its ends are in the view."""
+        middle = _height(self.place, self.from_above)
+        if self.is_disc:
+            return [middle - self.radius, middle + self.radius]
+        return [middle, _height(self.tip, self.from_above)]
 
 
 class Shown(NamedTuple):
     """An object in a side view."""
 
-    thing: Drawn
-    image: Drawn  # z is NaN if light from the object never comes together, and infinite if it is parallel
+    thing: Thing
+    image: Thing
     z1: float
 
 
@@ -71,11 +77,10 @@ def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
     from_above = len(eyes) > 1 == len({E.imag for E in eyes})
     ends, heights = [0.0], [0.1]
     for scene in scenes:
-        discs = _discs(scene, from_above)
         shown, there = _shown(scene, from_above)
         drawn = [*(each.thing for each in shown), *there]
-        ends += [-scene.z2, *scene.places, *(each.z + way * each.radius(discs) for each in drawn for way in (-1, 1))]
-        high = [height for each in drawn for height in each.heights(from_above, discs)]
+        ends += [-scene.z2, *scene.places, *(each.z + way * each.radius for each in drawn for way in (-1, 1))]
+        high = [height for each in drawn for height in each.heights]
         high += [_height(place, from_above) for place in (scene.E - aside, scene.E + aside)]
         heights += [scene.aperture / 2, *map(abs, high)]
     return Extent(min(ends), max(ends), max(heights), from_above)
@@ -84,11 +89,6 @@ def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
 def _height(place: complex, from_above: bool) -> float:
     """Return how high a place is in the view, tiles: y, and from above -x."""
     return -place.real if from_above else place.imag
-
-
-def _discs(scene: Scene, from_above: bool) -> bool:
-    """Whether the objects are drawn as discs: spheres, and from above the feet of pieces."""
-    return from_above or not isinstance(scene, Chess)
 
 
 def image_of(scene: Scene, points: Sequence[complex], z1: float) -> tuple[float, NDArray[np.complex128]]:
@@ -101,21 +101,22 @@ def image_of(scene: Scene, points: Sequence[complex], z1: float) -> tuple[float,
     return apparent.image(points, z1, windows)
 
 
-def _shown(scene: Scene, from_above: bool = False) -> tuple[list[Shown], list[Drawn]]:
+def _shown(scene: Scene, from_above: bool = False) -> tuple[list[Shown], list[Thing]]:
     """Return the objects that are not too far (FARTHEST), and the images that are not too far or too high (HIGHEST).
 
     The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
     """
-    most, last, discs = FARTHEST * scene.z2, scene.places[-1], _discs(scene, from_above)
+    most, last, is_chess = FARTHEST * scene.z2, scene.places[-1], isinstance(scene, Chess)
     shown, high = [], [scene.aperture / 2]
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if z1 <= most:
-            points = [L, L + 1j * ARROW * isinstance(scene, Chess), L + radius]
+            points = [L, L + 1j * ARROW * is_chess, L + radius]
             z, places = image_of(scene, points, z1)
-            shown.append(Shown(Drawn(last + z1, *points), Drawn(z, *map(complex, places)), z1))
-            high += map(abs, shown[-1].thing.heights(from_above, discs))
+            look = from_above, from_above or not is_chess
+            shown.append(Shown(Thing(*look, last + z1, *points), Thing(*look, z, *map(complex, places)), z1))
+            high += map(abs, shown[-1].thing.heights)
     there = [each.image for each in shown if -most <= each.image.z <= last + most and not scene.is_empty]
-    return shown, [each for each in there if max(map(abs, each.heights(from_above, discs))) <= HIGHEST * max(high)]
+    return shown, [each for each in there if max(map(abs, each.heights)) <= HIGHEST * max(high)]
 
 
 def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
@@ -142,7 +143,7 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     thick = FINER * max(1, round(height / 240))
     draw.line([at(first, scene.E), at(last, scene.E)], fill=LINE, width=thick // 2)
     if len(shown) == 1:
-        for eye, points in _rays(scene, shown[0], from_above)[::-1]:
+        for eye, points in _rays(scene, shown[0])[::-1]:
             colour = RAY if eye == scene.E else OTHER_RAYS
             (z, end), (window, start) = points[:2]
             if (beyond := abs(_height(end, from_above))) > reach:  # there the texts stand
@@ -154,15 +155,13 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     for z in scene.places:
         draw.line([at(z, -half * (1 + 1j)), at(z, half * (1 + 1j))], fill=SHEET, width=2 * thick)
 
-    discs = _discs(scene, from_above)
-
-    def show(each: Drawn, colour: tuple[int, int, int], width: int) -> None:
-        radius = FINER * scale * each.radius(discs) if discs else None
+    def show(each: Thing, colour: tuple[int, int, int], width: int) -> None:
+        radius = FINER * scale * each.radius if each.is_disc else None
         _object(draw, at(each.z, each.place), at(each.z, each.tip)[1], radius, colour, width)
 
     for each in shown:
         if each.image in there:  # wider if the object covers it, so that both are seen
-            place, other = ([part.z, *part.heights(from_above, discs)] for part in (each.thing, each.image))
+            place, other = ([part.z, *part.heights] for part in (each.thing, each.image))
             show(each.image, IMAGE, thick * (1 + bool(np.allclose(place, other, atol=1e-6))))
         show(each.thing, OBJECT, thick)
     x, y = at(-scene.z2, scene.E)
@@ -180,7 +179,7 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     return np.asarray(image)
 
 
-def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Drawn], last: float) -> list[tuple[float, str]]:
+def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Thing], last: float) -> list[tuple[float, str]]:
     """Return the texts below the side view, each with the z to which it belongs: of the eye, the objects and the image.
 
     `there` are the images that are shown, and `last` is the greatest z.
@@ -201,7 +200,7 @@ def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Drawn], last: f
     return names
 
 
-def _rays(scene: Scene, shown: Shown, from_above: bool = False) -> list[tuple[complex, list[tuple[float, complex]]]]:
+def _rays(scene: Scene, shown: Shown) -> list[tuple[complex, list[tuple[float, complex]]]]:
     """Return rays from an object to the eye and to points beside the eye: for each, its end and its corners.
 
     An end is x + iy. The corners are (z, x + iy), from the end to the object. The rays begin at the upper end of a
@@ -209,7 +208,7 @@ def _rays(scene: Scene, shown: Shown, from_above: bool = False) -> list[tuple[co
     left out.
     """
     z1 = shown.z1
-    tip = shown.thing.place if from_above else shown.thing.tip
+    tip = shown.thing.place if shown.thing.from_above else shown.thing.tip
     found = []
     for way in (0, *ASIDE):
         step = complex(way) * scene.aperture

@@ -160,10 +160,9 @@ def pictures(
 
 def show(scene: Scene, **options: Unpack[Options]) -> Image:
     """Return the scene's picture as an image of Pillow's, which Jupyter shows. Options and errors are `render`'s."""
-    scene, rendering = checked_scene(scene), Rendering(**options)
-    if rendering.is_light:
-        raise InputError(f"bits = {rendering.bits}: an image of Pillow's has 8; allowed: 8")
-    return fromarray(picture(_frames(scene, rendering), scene, rendering))
+    if (bits := Rendering(**options).bits) != 8:
+        raise InputError(f"bits = {bits}: an image of Pillow's has 8; allowed: 8")
+    return fromarray(render(checked_scene(scene), **options))
 
 
 def save(scene: Scene, path: str | Path, **options: Unpack[Options]) -> Path:

@@ -203,10 +203,10 @@ def test_sensitivities(found):
 @pytest.mark.parametrize("aside", [0, 3])
 def test_a_blur_is_an_angle_at_the_eye(aside):
     scene = Chess(eye=(aside, aside), z2=6)
-    seen = tolerance._Seen(np.array([-0.5 + 0.2j]), np.zeros(1), np.ones(1), np.array([1e-3]))
+    place, seen = np.array([-0.5 + 0.2j]), np.array([[-0.5], [0.2], [0], [1], [1e-3]])
     step = np.exp(2j * np.pi * np.arange(360) / 360)
-    cloud = tolerance._direction(scene, seen.position + 1e-3 * step)
-    angles = np.linalg.norm(cloud - tolerance._direction(scene, seen.position), axis=-1)
+    cloud = tolerance._direction(scene, place + 1e-3 * step)
+    angles = np.linalg.norm(cloud - tolerance._direction(scene, place), axis=-1)
     assert tolerance._blur_angle(scene, seen) == pytest.approx(np.sqrt(np.mean(angles**2)), rel=1e-3)
 
 

@@ -20,7 +20,7 @@ def middles(strip, colour):
 
 
 def rays(scene, from_above=False):
-    return side._rays(scene, side._shown(scene, from_above)[0][0], from_above)
+    return side._rays(scene, side._shown(scene, from_above)[0][0])
 
 
 def images(scene):
