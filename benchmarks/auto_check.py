@@ -26,7 +26,7 @@ from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
 from povgen.files import save
 from povgen.measure import speed
-from povgen.measure.drawn import OpenGLView
+from povgen.measure.opengl import OpenGLView
 from povgen.rendering import auto
 from povgen.rendering.flip import CONVERGED
 from povgen.scene.scenes import PIECES, Scene

@@ -1,7 +1,7 @@
 from povgen.errors import InputError as InputError
 from povgen.errors import PovrayError as PovrayError
 from povgen.liveview.view import live as live
-from povgen.measure.drawn import points as points
+from povgen.measure.opengl import points as points
 from povgen.optics.rays import Bundle as Bundle
 from povgen.record import info as info
 from povgen.rendering.auto import cheapest as cheapest

@@ -20,6 +20,7 @@ SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGTERM)
 # are less than 2.
 TO_LOCK, TO_REMOVE = 0.4, 1.4
 MESSAGE, GOES_ON = b"povgen: stopped", b"; the same command goes on from the frames that are finished"
+BEGIN = b"\0povgen\n"  # the line before the answers of a process
 SHOW_CURSOR = b"\x1b[?25h"  # a progress bar hides it
 
 lock = RLock()  # held while a process is started; at the end, nobody gets it any more
@@ -103,13 +104,18 @@ def _kill_children() -> None:
 
 
 def answers() -> TextIO:
-    """Return the file into which a process that `parallel.python` started writes its answers, one a line.
+    """Return the file for the answers of a process that `parallel.python` started: its standard output.
 
-    When nobody can read them any more, because povgen has been killed, the process ends, whatever it computes.
+    The answers follow the line BEGIN; Python's own start can print something before it. What else is printed later is
+    discarded. When nobody can read answers any more, because povgen has been killed, the process ends, whatever it
+    computes.
     """
-    number = int(sys.argv[1])
+    number = os.dup(1)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     _thread.start_new_thread(_end_with_reader, (number,))
-    return os.fdopen(number, "w", 1, encoding="utf-8")
+    file = os.fdopen(number, "w", 1, encoding="utf-8")
+    file.write(f"\n{BEGIN.decode()}")
+    return file
 
 
 def _end_with_reader(number: int) -> None:

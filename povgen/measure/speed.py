@@ -17,8 +17,8 @@ import numpy as np
 from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.measure.browser import View, chromium
-from povgen.measure.drawn import OpenGLView
 from povgen.measure.measured import rms
+from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Size
 from povgen.rendering import gl_runner, parallel, povray
 from povgen.rendering.flip import CONVERGED, flip

@@ -121,7 +121,7 @@ def _moved(scene: Scene, name: str, step: float) -> Scene:
     return scene
 
 
-def drawn(scene: Scene, spread: Spread) -> list[Scene]:
+def random_builds(scene: Scene, spread: Spread) -> list[Scene]:
     """Return random builds of a scene.
 
     The drawn errors are added to the scene's own. `facets` and `pitches` replace the scene's, and each build has
@@ -147,9 +147,9 @@ def drawn(scene: Scene, spread: Spread) -> list[Scene]:
 
 
 def builds(scene: Scene, made: Sequence[Scene], workers: int | None = None, scheduler: str | None = None) -> Change:
-    """Return how differently each of the builds `made` by `drawn` shows the object: arrays (builds,), without signs.
+    """Return how differently each of `random_builds` shows the object: arrays (builds,), without signs.
 
-    They are compared with the scene. `workers` and `scheduler` are as for `rendering.results.results`.
+    They, `made`, are compared with the scene. `workers` and `scheduler` are as for `rendering.results.results`.
     """
     seen = _seen([scene, *made], workers, scheduler)
     change = _change(scene, seen[:, :1], seen[:, 1:])

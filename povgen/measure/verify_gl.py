@@ -1,6 +1,6 @@
 """Compare what the live view's shaders draw with the ray trace, eq. 7 and POV-Ray's pictures: `povgen verify --gl`.
 
-OpenGL draws, without a browser: `drawn.OpenGLView`. CPU seconds of both renderers are measured in one run.
+OpenGL draws, without a browser: `opengl.OpenGLView`. CPU seconds of both renderers are measured in one run.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,8 +11,8 @@ import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.compare import window_rays
-from povgen.measure.drawn import OpenGLView
 from povgen.measure.measured import SMALL, Measured, px
+from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import drawn_sample, picture_error, sample
 from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets

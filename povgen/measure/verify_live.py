@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from povgen.measure.browser import View, chromium
-from povgen.measure.drawn import OpenGLView
 from povgen.measure.measured import Measured
+from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Size
 from povgen.measure.verify_gl import RAYS, SHADOW_RAYS
 from povgen.rendering.flip import flip

@@ -55,7 +55,7 @@ def frame_path(source: str, rendering: Rendering) -> Path:
 
 
 def path_for(key: str, suffix: str) -> Path:
-    """Return the file named after a key's checksum. The suffix is .png or .light for a frame, otherwise .values."""
+    """Return the file named after the SHA-256 of a key. The suffix is .png or .light for a frame, otherwise .values."""
     name = sha256(key.encode()).hexdigest()
     return folder() / name[:2] / f"{name}{suffix}"
 

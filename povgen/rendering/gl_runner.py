@@ -177,8 +177,9 @@ class Runner:
                 with suppress(OSError):  # it has ended
                     process.stdin.write(json.dumps(asked).encode() + b"\n")
                     process.stdin.flush()
-            # the last line of a process that crashes may be cut off
-            for answer in map(json.loads, takewhile(lambda line: line.endswith(b"\n"), process.stdout)):
+            # of the start, other lines come first; the last line of a process that crashes may be cut off
+            lines = takewhile(lambda line: line.endswith(b"\n"), process.stdout)
+            for answer in map(json.loads, filter(lambda line: line.startswith(b"{"), lines)):
                 if "part" not in answer:
                     return dict(answer)
                 if self._part:

@@ -73,30 +73,20 @@ def default_workers() -> int:
 def python(module: str, **environment: str) -> "subprocess.Popen[bytes]":
     """Start a Python process that runs a module of povgen, and return it with a pipe as its standard input.
 
-    Its `stdout` is the pipe of its `stopping.answers`. Its standard output is discarded, because libraries and Python's
-    own start can write there. `environment` are further environment variables. If a signal stops povgen, the process is
-    killed.
+    Its `stdout` has the process's `stopping.answers`. `environment` are further environment variables. If a signal
+    stops povgen, the process is killed.
     """
     folders = [str(Path(__file__).parents[2]), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     path = os.pathsep.join(os.path.abspath(each) for each in folders)  # the process has another working directory
     with stopping.lock:
-        reads, writes = os.pipe()
-        try:
-            process = subprocess.Popen(
-                [sys.executable, "-P", "-m", module, str(writes)],
-                cwd="/",
-                env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", **environment},
-                stdin=subprocess.PIPE,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                pass_fds=[writes],
-            )
-            process.stdout = os.fdopen(reads, "rb")
-        except BaseException:
-            os.close(reads)
-            raise
-        finally:
-            os.close(writes)
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", module],
+            cwd="/",
+            env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", **environment},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
         stopping.processes.add(process)
     return process
 
@@ -135,6 +125,8 @@ def computed(
         with suppress(EOFError, OSError, pickle.UnpicklingError), process.stdout:  # the process has ended
             with process.stdin:
                 pickle.dump((function, [items[number] for number in numbers]), process.stdin)
+            while process.stdout.readline() not in (stopping.BEGIN, b""):
+                pass
             for number in numbers:
                 found[number] = pickle.load(process.stdout)
                 done()

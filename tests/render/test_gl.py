@@ -19,7 +19,7 @@ import povgen
 from povgen import Chess, InputError, PovrayError, Spheres, remedies
 from povgen.errors import TransientError
 from povgen.measure import verify_gl
-from povgen.measure.drawn import OpenGLView
+from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions
 from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
 from povgen.rendering.views import check_gl

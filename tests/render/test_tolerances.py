@@ -175,7 +175,9 @@ def test_the_prediction_knows_the_pitch(mismatch):
 def test_facets_of_random_builds():
     """Each build draws its own facets, and all are blurred alike."""
     rough = Chess(prisms=200, alpha=90, z1=10, z2=10)
-    change = tolerance.builds(rough, tolerance.drawn(rough, tolerance.Spread(deviation={"facets": 0.1}, builds=6)))
+    change = tolerance.builds(
+        rough, tolerance.random_builds(rough, tolerance.Spread(deviation={"facets": 0.1}, builds=6))
+    )
     assert len(set(change.displaced)) == 6 and (change.blurred > 2).all()
 
 
@@ -222,7 +224,7 @@ def test_sensitivities_where_the_scene_allows_only_smaller_errors():
 @pytest.mark.release
 def test_random_builds_agree_with_the_sensitivities(found):
     spread = tolerance.Spread(deviation={"far_tilt_x": 0.02}, builds=60)
-    change = tolerance.builds(FINE, tolerance.drawn(FINE, spread))
+    change = tolerance.builds(FINE, tolerance.random_builds(FINE, spread))
     unit = found["far_tilt_x"].displaced
     drawn = abs(np.random.default_rng(1).normal(size=60)) * 0.02
     np.testing.assert_allclose(change.displaced, unit * drawn, rtol=0.05, atol=0.02)
@@ -297,11 +299,13 @@ def test_the_chart_of_errors_has_a_bar_for_each(figures, tmp_path):
             "the eye does not see the object on the designed path",
         ),
         (
-            lambda: tolerance.drawn(Chess(x=10), tolerance.Spread()),
+            lambda: tolerance.random_builds(Chess(x=10), tolerance.Spread()),
             "the eye does not see the object on the designed path",
         ),
         (
-            lambda: tolerance.drawn(FINE.replace(error="index=0.09"), tolerance.Spread(deviation={"index": 0.02})),
+            lambda: tolerance.random_builds(
+                FINE.replace(error="index=0.09"), tolerance.Spread(deviation={"index": 0.02})
+            ),
             "random build 2: error: index = ",
         ),
     ],

@@ -8,7 +8,7 @@ import pytest
 from conftest import Node
 
 from povgen import Chess, to_pov
-from povgen.measure.drawn import OpenGLView
+from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions, decoded
 from povgen.optics import apparent
 from povgen.scene import camera

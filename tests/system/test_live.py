@@ -12,7 +12,7 @@ from povgen import Chess, InputError, Spheres
 from povgen.liveview import view
 from povgen.measure import verify_live
 from povgen.measure.browser import View, chromium
-from povgen.measure.drawn import OpenGLView
+from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]

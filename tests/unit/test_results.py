@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import refusal
 
-from povgen import Chess, InputError, Spheres, results
+from povgen import Chess, InputError, Spheres, results, stopping
 from povgen.optics import equations, series
 from povgen.rendering import parallel, surveys
 from povgen.rendering import results as module
@@ -173,10 +173,9 @@ def test_surveys_of_many_scenes_are_made_by_several_processes(talking, monkeypat
 
 
 def test_a_process_ends_when_nobody_reads_its_answers():
-    reads, writes = os.pipe()
-    code = "from povgen import stopping\nprint('ready', file=stopping.answers())\nwhile True: pass"
-    process = subprocess.Popen([sys.executable, "-c", code, str(writes)], pass_fds=[writes])
-    os.close(writes)
-    assert os.read(reads, 9) == b"ready\n" and process.poll() is None
-    os.close(reads)  # as the kernel does for a process that is killed
+    code = "from povgen import stopping\nprint('{', file=stopping.answers())\nprint('a driver')\nwhile True: pass"
+    process = subprocess.Popen([sys.executable, "-c", f"print('a start', flush=True)\n{code}"], stdout=subprocess.PIPE)
+    assert [process.stdout.readline() for _ in range(4)] == [b"a start\n", b"\n", stopping.BEGIN, b"{\n"]
+    assert process.poll() is None
+    process.stdout.close()  # as the kernel does for a process that is killed
     assert process.wait(60) == 1

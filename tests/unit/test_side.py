@@ -163,7 +163,7 @@ def test_an_image_does_not_make_the_rest_small_and_covers_no_text():
     shows, (_, (image,)) = side.extent([sphere]), side._shown(sphere)
     strip = side.side_view(sphere, *SIZE, shows)
     rows, columns = np.nonzero((strip == side.IMAGE).all(-1))
-    assert image.radius(True) > 0.45 and 20 < rows.min() and rows.max() < len(strip) - 20
+    assert image.radius > 0.45 and 20 < rows.min() and rows.max() < len(strip) - 20
     assert 0 < columns.min() and columns.max() < SIZE[0] - 1
 
 

@@ -60,7 +60,9 @@ def command(
     if given and not deviation:
         name = next(iter(given))
         raise InputError(f"{name} = {given[name]}: no random builds; allowed: with --deviation, such as turn=0.1")
-    random = tolerance.drawn(made, spread) if deviation else []  # says what is not allowed before anything is traced
+    random = (
+        tolerance.random_builds(made, spread) if deviation else []
+    )  # says what is not allowed before anything is traced
     output, table_file = _checked_files(output, made)
     if output:
         from povgen.measure import charts  # needs matplotlib, and says so before anything is traced
