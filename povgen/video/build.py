@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Unpack
 
 from pydantic import Field
 
+from povgen import stopping
 from povgen.errors import InputError, one_line, shown
 from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, temporary_folder
 from povgen.progress import bar
@@ -171,6 +172,7 @@ def planned(film: Film, output: str | Path, rendering: Rendering, inputs: Iterab
 
     `inputs` are files that povgen reads, besides those of the film.
     """
+    stopping.keeps_frames = True  # also those of a run before
     check_views(film.scenes, rendering)
     inputs = [*inputs, *film.files, *input_files(film.scenes)]
     return Plan(film, rendering, checked_movie(output, len(film.scenes), film.rate, rendering, inputs))
