@@ -478,7 +478,7 @@ def test_the_seed_of_random_builds(tmp_path, monkeypatch):
     def drawn(scene, spread):
         raise InputError(f"the seed is {spread.seed}")
 
-    monkeypatch.setattr(tolerance, "drawn", drawn)
+    monkeypatch.setattr(tolerance, "random_builds", drawn)
     assert "the seed is 5" in refused(["tolerance", "chess", "--deviation", "turn=0.1", "--seed", "5"], tmp_path)
     assert "seed = 5: no random builds; allowed: with --deviation" in refused(
         ["tolerance", "chess", "--seed", "5"], tmp_path
