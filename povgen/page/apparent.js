@@ -1,5 +1,5 @@
 // Where the eye sees a point through windows with sheets of any kinds: povgen/optics/apparent.py. A ray from the eye E with the
-// slope s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in live/sheets.js.
+// slope s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in liveview/sheets.js.
 
 import * as geometry from "../liveview/geometry.js";
 import { bending, hasPrisms } from "../liveview/sheets.js";

@@ -25,8 +25,7 @@ def _parameters() -> dict[str, list[Parameter]]:
 
 SHEETS = _kinds()
 IDEAL = {name: kind for name, kind in SHEETS.items() if issubclass(kind, Ideal)}
-# the ideal sheets that do not only rotate light about their normal; `none` is not among them
-OTHER = {name: kind for name, kind in IDEAL.items() if not kind.rotates and name != "none"}
+OTHER = {name: kind for name, kind in IDEAL.items() if name not in PAPER}
 PARAMETERS = _parameters()  # by name, a list: kinds that share a parameter can have different texts for it
 # the kinds that use each parameter
 USED_BY = {
