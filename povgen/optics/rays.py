@@ -303,8 +303,9 @@ class _Way:
                 return np.stack(every, 1) if every else np.empty((len(self.rays.end), 0), np.int8)
             every.append(np.full(len(self.rays.end), -1, np.int8))
             every[-1][i] = met
-            leaving = [self.cross(i[met == w], w, distance[met == w]) for w in range(len(self.windows))]
-            i, last = np.concatenate(leaving), np.repeat(np.arange(len(leaving)), [*map(len, leaving)])
+            numbers = np.unique(met)
+            leaving = [self.cross(i[met == w], w, distance[met == w]) for w in numbers]
+            i, last = np.concatenate(leaving), np.repeat(numbers, [*map(len, leaving)])
 
     def nearest(self, i: Indices, last: Indices) -> tuple[Indices, Floats]:
         """Return the window that each ray meets first, or -1, and how far away it is.
@@ -372,19 +373,18 @@ class _Way:
         back = sheets[-1].centre + sheets[-1].reach(window.sheet.aperture)
         ahead = (ends == End.THROUGH) & (outside | (position[:, 2] * np.sign(direction[:, 2]) < back))
         first = sum(map(len, self.sheets[:w]))
-        counts = rays.count[i]
-        for count in np.unique(counts[ahead]):
-            some = np.flatnonzero(ahead & (counts == count))
-            side, most = window.sheet.aperture, self.most - count
-            after = trace(position[some], direction[some], sheets, side, most, window.frame, self.partial)
-            position[some], direction[some], ends[some] = after.position, after.direction, after.end
-            j = i[some]
-            rays.faces[j, count:] = after.faces
-            rays.count[j] += after.count
-            rays.light[j] *= after.light
-            rays.reflected[j] |= after.reflected
-            rays.designed[j] &= after.designed
-            rays.orders[j, first : first + len(sheets)] += after.orders
+        j, some = i[ahead], np.flatnonzero(ahead)
+        met = rays.count[j]  # faces, before this window
+        side, most = window.sheet.aperture, self.most - met
+        after = trace(position[some], direction[some], sheets, side, most, window.frame, self.partial)
+        position[some], direction[some], ends[some] = after.position, after.direction, after.end
+        for count in np.unique(met):
+            rays.faces[j[met == count], count:] = after.faces[met == count, : self.most - count]
+        rays.count[j] += after.count
+        rays.light[j] *= after.light
+        rays.reflected[j] |= after.reflected
+        rays.designed[j] &= after.designed
+        rays.orders[j, first : first + len(sheets)] += after.orders
 
 
 def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:

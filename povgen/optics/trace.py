@@ -96,7 +96,7 @@ def trace(
     direction: ArrayLike,
     sheets: tuple[GlassSheet, ...],
     window: float,
-    most: int = 60,
+    most: ArrayLike = 60,
     frame: float = 0.0,
     partial: "np.random.Generator | None" = None,
 ) -> Rays:
@@ -105,7 +105,7 @@ def trace(
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
     eye's side first, and fill square windows with the given side. `frame` is the extent of each window's frame along z.
     It matters only if it is greater than that of the sheets: then light from the sheets can meet the frame. A ray ends
-    after `most` faces.
+    after `most` faces, a number or one for each ray (n,).
     With `partial`, a generator of random numbers, a face that refracts light also reflects a part of it. The part
     follows from the Fresnel equations for unpolarised light. The ray is reflected with this part as its probability. So
     each ray stands for an equal share of the light, and light is unpolarised again after every face.
@@ -114,18 +114,20 @@ def trace(
     `most` < 1.
     """
     several = [sheet.shape for sheet in sheets]
-    if not most > 0:
-        raise ValueError(f"most = {most:g}; allowed: above 0")
+    if not np.min(most, initial=1) > 0:
+        raise ValueError(f"most = {np.min(most):g}; allowed: above 0")
     glass = _glass(sheets, window)
     position, along = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         along = along / np.linalg.norm(along, axis=1, keepdims=True)
     _check_approach(position, along, sheets, window)
     forward = along[:, 2:] > 0
-    rays = Rays.starting(position, along, most, len(sheets))
+    rays = Rays.starting(position, along, int(np.max(most, initial=0)), len(sheets))
+    limits = np.broadcast_to(most, len(position))
     for start in range(0, len(position), CHUNK):
+        part = slice(start, start + CHUNK)
         with np.errstate(divide="ignore", invalid="ignore"):
-            _Trace(rays[start : start + CHUNK], sheets, glass, window, frame, partial).run()
+            _Trace(rays[part], limits[part], sheets, glass, window, frame, partial).run()
     rays.designed = on_path(rays, several, forward) & ~rays.reflected & ~rays.orders.any(1)
     return rays
 
@@ -196,13 +198,14 @@ class _Trace:
     def __init__(
         self,
         rays: Rays,
+        most: Indices,
         sheets: tuple[GlassSheet, ...],
         glass: Prisms | Profiles,
         window: float,
         frame: float,
         partial: "np.random.Generator | None",
     ) -> None:
-        n, self.most = rays.faces.shape
+        n, self.most = len(rays.count), most
         self.rays, self.glass, self.sheets, self.partial = rays, glass, len(sheets), partial
         angle = np.array([sheet.angle for sheet in sheets])
         self.cosine, self.sine = np.cos(angle), np.sin(angle)
@@ -286,7 +289,7 @@ class _Trace:
 
     def without_unfinished(self, i: Indices) -> Indices:
         """End the rays that have met the greatest number of faces. Return the others."""
-        return self.without_ended(i, self.rays.count[i] == self.most, End.UNFINISHED)
+        return self.without_ended(i, self.rays.count[i] == self.most[i], End.UNFINISHED)
 
     def cross(self, i: Indices, out: bool) -> tuple[Indices, Indices, Indices]:
         """Take rays to the next face: with `out` rays in the glass, otherwise rays in the air.
