@@ -263,6 +263,7 @@ def test_a_file_that_is_no_piece_is_refused(tmp_path, content, said):
     assert "piece = " in message and said in message and len(message.splitlines()) == 1
 
 
+@pytest.mark.release
 def test_a_mesh_is_shown_as_the_same_shape_in_povrays_language(tmp_path):
     """A cube. The renderer gl shows it too: see test_volumes.py for what it draws of any text."""
     corners = [(x, y, z) for x in (0, 6) for y in (0, 6) for z in (0, 6)]

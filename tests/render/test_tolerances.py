@@ -15,6 +15,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal
 from povgen.optics.trace import trace
 from povgen.rendering.views import check_gl
+from povgen.scene import quantities
 from povgen.scene.quantities import seen
 
 FINE = Chess(prisms=1000, alpha=90, z1=10, z2=10)
@@ -212,9 +213,10 @@ def test_a_blur_is_an_angle_at_the_eye(aside):
     assert tolerance._blur_angle(scene, seen) == pytest.approx(np.sqrt(np.mean(angles**2)), rel=1e-3)
 
 
-def test_sensitivities_where_the_scene_allows_only_smaller_errors():
+def test_sensitivities_where_the_scene_allows_only_smaller_errors(monkeypatch):
     """A tilted sheet would reach the knight, or facets would cross."""
-    found = tolerance.sensitivities(Chess(alpha=90, z1=0.6))
+    monkeypatch.setattr(quantities, "RAYS", 1000)
+    found = tolerance.sensitivities(Chess(alpha=90, z1=0.6), workers=1)
     assert all(np.isfinite(each.displaced) for each in found.values())
     assert tolerance._moved(Chess(aspect=0.48), "base_angle", -1).error == {"base_angle": -0.5}
     with pytest.raises(InputError, match="error: tilt_x: the scene allows neither less nor more of it"):

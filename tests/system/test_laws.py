@@ -5,7 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from conftest import Node
+from conftest import Node, some
 
 from povgen import Chess, to_pov
 from povgen.measure.opengl import OpenGLView
@@ -109,7 +109,7 @@ def through(scene, direction):
 
 @pytest.mark.parametrize(
     "scene",
-    [SERIES[0], *(pytest.param(scene, marks=pytest.mark.release) for scene in SERIES[1:])],
+    some(SERIES, 1),
     ids=lambda s: s.sheet,
 )
 def test_sheets_in_series(scene, view):

@@ -9,6 +9,7 @@ from itertools import islice, product
 
 import numpy as np
 import pytest
+from conftest import some
 
 from povgen import Chess, InputError, Spheres
 from povgen.limits import MAX_ERROR
@@ -139,7 +140,7 @@ def measured_scenes(seed):
             yield scene, stated, error
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(40, marks=pytest.mark.release)])
+@pytest.mark.parametrize("count", some([8, 40], 1))
 def test_predictions_are_right_or_their_warning_states_the_error(count):
     found = [*islice(measured_scenes(3), count)]
     assert count / 8 <= sum(stated is not None for _, stated, _ in found) < 0.75 * count
@@ -159,7 +160,7 @@ def test_a_wide_field_is_warned_of():
     assert 3 < measured_error(scene) < warned_error(scene) < 5
 
 
-@pytest.mark.parametrize("times", [1, pytest.param(6, marks=pytest.mark.release)])
+@pytest.mark.parametrize("times", some([1, 6], 1))
 def test_slopes_far_from_those_of_the_prediction_are_warned_of(times, rng):
     """The prediction is fitted to small slopes. Facets and lenses turn oblique light by other angles.
 
