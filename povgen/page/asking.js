@@ -62,17 +62,13 @@ function glide(target) {
   session.gliding = target;
   const start = performance.now();
   const from = Object.fromEntries(Object.keys(target).map((name) => [name, state[name]]));
-  const numeric = (x) => typeof x === "number" || Array.isArray(x);
-  const mixed = (a, b, part) => (Array.isArray(a) ? a.map((x, k) => mixed(x, b[k], part)) : a + (b - a) * part);
-  const between = (name, to, part) => {
-    const x = mixed(from[name], to, part);
-    return WHOLE.includes(name) ? Math.round(x) : x;
-  };
+  const between = (a, b, part) => (Array.isArray(b) ? b.map((x, k) => between(a[k], x, part)) : typeof b === "number" ? a + (b - a) * part : b);
+  const rounded = (name, x) => (WHOLE.includes(name) ? Math.round(x) : x);
   const tick = () => {
     const time = reducedMotion.matches ? 1 : Math.min(1, (performance.now() - start) / 1500);
     const part = time * time * (3 - 2 * time);
     if (session.gliding !== target) return;
-    change(Object.fromEntries(Object.entries(target).map(([name, to]) => [name, numeric(to) && time < 1 ? between(name, to, part) : to])));
+    change(Object.fromEntries(Object.entries(target).map(([name, to]) => [name, time < 1 ? rounded(name, between(from[name], to, part)) : to])));
     refresh();
     if (time < 1) requestAnimationFrame(tick);
     else session.gliding = null;

@@ -166,8 +166,7 @@ export function showInputs(now) {
   }
   for (const [name, letters] of FIELDS) [...letters].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
   const [first, second] = kinds().map((sheet) => sheet === "none" || sheet === "single");
-  for (const id of ["slider-alpha", "number-alpha"]) $(id).disabled = first;
-  for (const id of ["slider-alpha2", "number-alpha2"]) $(id).disabled = second;
+  for (const [name, none] of Object.entries({ alpha: first, alpha2: second, prisms: !now.glass })) for (const part of ["slider", "number"]) $(`${part}-${name}`).disabled = none;
   for (const name of ["sheet", "sheet2"]) $(`of-${name}`).value = state[name];
   for (const option of $("of-sheet2").options) option.hidden = option.disabled = state.sheet === "detailed" && !BEHIND_PRISMS.includes(option.value);
   const beyond = chosenBeyond(), simple = state.level === "simple";
@@ -179,22 +178,16 @@ export function showInputs(now) {
   $("beyond").value = beyond;
   for (const [name, text] of Object.entries(labels(beyond))) {
     $(`label-${name}`).textContent = text;
-    if (!SLIDERS[name]) {
-      for (const input of $(`label-${name}`).parentNode.querySelectorAll("input")) {
-        const { axis } = input.dataset;
-        input.setAttribute("aria-label", say(DIRECTIONS.includes(name) ? "controls.component" : "controls.coordinate", { name, label: text, axis }));
-      }
-      continue;
-    }
+    const part = DIRECTIONS.includes(name) ? "controls.component" : "controls.coordinate";
+    for (const input of document.querySelectorAll(`.place[data-quantity="${name}"] input`)) input.ariaLabel = say(part, { name, label: text, axis: input.dataset.axis });
+    if (!SLIDERS[name]) continue;
     const said = { name: name === "prisms" ? "N" : name, label: text };
-    $(`slider-${name}`).setAttribute("aria-label", say("controls.slider", said));
-    $(`number-${name}`).setAttribute("aria-label", say("controls.number", said));
     const [least, most] = RANGES[name].map(brief);
-    $(`number-${name}`).title = say("controls.range", { least, most });
+    $(`slider-${name}`).ariaLabel = say("controls.slider", said);
+    Object.assign($(`number-${name}`), { ariaLabel: say("controls.number", said), title: say("controls.range", { least, most }) });
   }
   const shown = partsShown();
   for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").some((name) => shown.includes(name));
-  for (const id of ["slider-prisms", "number-prisms"]) $(id).disabled = !now.glass;
   for (const input of document.querySelectorAll(".choice input")) input.checked = state[input.name] === input.value;
   for (const name of ["piece", "light"]) $(name).value = state[name];
   $("piece-choice").hidden = state.scene !== "chess";
@@ -204,9 +197,7 @@ export function showInputs(now) {
   $("show-image").disabled = !now.two && !now.beyond;
 }
 
-function put(id, x) {
-  if ($(id) !== session.typing) $(id).value = typed(x);
-}
+const put = (id, x) => $(id) !== session.typing && ($(id).value = typed(x));
 
 // ---- Numbers ----
 
@@ -256,10 +247,8 @@ export function showMarks() {
 
 for (const row of document.querySelectorAll("[data-quantity]")) {
   const { quantity: name } = row.dataset;
-  row.addEventListener("pointerenter", () => !session.held && mark(name));
-  row.addEventListener("pointerleave", () => mark(""));
-  row.addEventListener("focusin", () => mark(name));
-  row.addEventListener("focusout", () => mark(""));
+  for (const event of ["pointerenter", "focusin"]) row.addEventListener(event, () => session.held || mark(name));
+  for (const event of ["pointerleave", "focusout"]) row.addEventListener(event, () => mark(""));
 }
 for (const button of document.querySelectorAll("button.symbol")) {
   button.addEventListener("click", () => {
@@ -289,9 +278,9 @@ TABS.forEach((tab, n) => {
     refresh();
   });
   tab.addEventListener("keydown", (event) => {
-    if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+    const aside = { ArrowLeft: -1, ArrowRight: 1 }[event.key], other = TABS.at((n + aside) % TABS.length);
+    if (!aside) return;
     event.preventDefault();
-    const other = TABS[(n + (event.key === "ArrowRight" ? 1 : TABS.length - 1)) % TABS.length];
     other.focus();
     other.click();
   });
@@ -300,21 +289,16 @@ TABS.forEach((tab, n) => {
 // ---- Keys ----
 
 const KEYS = {
-  " ": () => $("play").click(),
   p: () => given({ sheet: state.sheet === "ideal" ? "detailed" : "ideal" }),
-  o: () => $("show-position").click(),
-  c: () => $("show-circles").click(),
-  i: () => $("show-image").click(),
   f: () => document.fullscreenEnabled && $("full-screen").click(),
   q: () => openQuestion(state.question < 0 ? session.lastQuestion : -1),
 };
+for (const [key, id] of Object.entries({ " ": "play", o: "show-position", c: "show-circles", i: "show-image" })) KEYS[key] = () => $(id).click();
 for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.presets[n]);
 
 // Whether the focused control needs a key itself.
-function needs(target, key) {
-  if (target.matches("select, textarea, input:not([type=checkbox], [type=radio], [type=range])")) return true;
-  return key === " " && target.matches("button, input, summary, [role=tab]");
-}
+const needs = (target, key) => target.matches("select, textarea, input:not([type=checkbox], [type=radio], [type=range])")
+  || (key === " " && target.matches("button, input, summary, [role=tab]"));
 
 document.addEventListener("keydown", (event) => {
   const { target, key } = event;
