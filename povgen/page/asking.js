@@ -1,8 +1,7 @@
 // The panel of the questions: a class predicts, and the page then shows the answer.
 
 import { fromHash, SWITCHES, toHash } from "./address.js";
-import { $, element, pick, write } from "./data.js";
-import { refresh } from "./frame.js";
+import { $, element, pick, refresh, write } from "./data.js";
 import { percent, printed, readNumber, say } from "./language.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";

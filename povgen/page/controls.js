@@ -3,8 +3,7 @@
 import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { abs, finite, minus } from "./complex.js";
-import { $, clamped, data, element } from "./data.js";
-import { on, refresh } from "./frame.js";
+import { $, clamped, data, element, on, refresh } from "./data.js";
 import { angle, brief, choose, entry, fill, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, unitText } from "./language.js";
 import { appearance, moment } from "./moment.js";
 import { drawOverlay } from "./overlay.js";

@@ -2,9 +2,8 @@
 
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { abs, finite, minus, plus, scaled } from "./complex.js";
-import { $, clamped } from "./data.js";
+import { $, clamped, refresh } from "./data.js";
 import { orientation } from "./diagram.js";
-import { refresh } from "./frame.js";
 import { say } from "./language.js";
 import { apparentPosition, appearance, moment, objectStep, outside } from "./moment.js";
 import { onStage, stage, tilePixels } from "./overlay.js";

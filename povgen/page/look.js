@@ -1,7 +1,6 @@
 // How the page looks: dark or light, for a projector, or as a frame in another page.
 
-import { $ } from "./data.js";
-import { refresh } from "./frame.js";
+import { $, refresh } from "./data.js";
 
 const root = document.documentElement, dark = matchMedia("(prefers-color-scheme: dark)");
 

@@ -4,8 +4,7 @@
 import { radians } from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
-import { $, clamped, element, write } from "./data.js";
-import { on, refresh } from "./frame.js";
+import { $, clamped, element, on, refresh, write } from "./data.js";
 import { angle, brief, fixed, localised, printed, readNumber, say, separator, SYMBOL, tilesText } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
 import { outlineOf } from "./outline.js";

@@ -1,7 +1,6 @@
 // The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
-import { $, clamped, data, element, write } from "./data.js";
-import { refresh } from "./frame.js";
+import { $, clamped, data, element, refresh, write } from "./data.js";
 import { brief, quantity, say, SYMBOL } from "./language.js";
 import { change, chosenBeyond, OPENING, replace, START, state, usesAlpha } from "./state.js";
 

@@ -4,8 +4,7 @@
 import { radians } from "../liveview/geometry.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
-import { $ } from "./data.js";
-import { on, refresh } from "./frame.js";
+import { $, on, refresh } from "./data.js";
 import { entry, say } from "./language.js";
 import { player, reducedMotion } from "./player.js";
 import { change, OPENING, session, START, state } from "./state.js";
