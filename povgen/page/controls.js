@@ -198,6 +198,9 @@ export function showInputs(now) {
 
 const put = (id, x) => $(id) !== session.typing && ($(id).value = typed(x));
 
+// What a word means is spoken when it is shown.
+for (const part of document.querySelectorAll(".explained")) part.addEventListener("toggle", ({ newState }) => newState === "open" && part.focus());
+
 // ---- Numbers ----
 
 const wideAndHigh = ({ M, height }, unit = 1) => say("numbers.wide_and_high", { width: brief(M / unit), height: Number.isFinite(height) ? brief(height / unit) : say("numbers.no_limit") });
