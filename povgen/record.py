@@ -42,6 +42,8 @@ PNG, EXR, GIF, WEBM, RIFF = (
     b"\x1aE\xdf\xa3",
     b"RIFF",
 )  # how these files begin
+# the files of pictures, by their endings: what they are called, and how many bits a colour can have, the default first
+PICTURES = {".png": ("a PNG file", (8, 16)), ".exr": ("an EXR file", (32,))}
 SRGB = (b"sRGB", b"\0"), (b"gAMA", struct.pack(">I", 45455))  # parts of a PNG file that say which light its bytes mean
 MP4_TYPE = b"uuid" + bytes.fromhex("b3c9d0a15e0f4a0f9a4d706f7667656e")  # of a box that is no standard's
 WEBP_TYPE = b"PVGN"  # of a part that is no standard's

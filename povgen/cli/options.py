@@ -11,7 +11,7 @@ from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.files import in_home, output_folder
 from povgen.progress import say, tell
-from povgen.record import Record, check_unasked
+from povgen.record import PICTURES, Record, check_unasked
 from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
 from povgen.rendering.frames import drawn_by
@@ -69,12 +69,12 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
     """Return the record in a file, its scenes, and the values of its rendering.
 
     A value that the user gave replaces the record's, and also the record's values that depend on it. The bits follow
-    from the output's ending if this is .exr, or if the record's picture has 32. Print a warning if another version of
+    from the output's ending if such a file cannot have the record's. Print a warning if another version of
     povgen or of the renderer made the file. Raises InputError if the file has no valid record.
     """
     record, scenes = recorded(source)
     options = record.rendering.model_dump()
-    if options["bits"] == 32 or str(output).lower().endswith(".exr"):  # the bits then follow from the output's ending
+    if options["bits"] not in PICTURES.get((output or Path("frame.png")).suffix.lower(), PICTURES[".png"])[1]:
         del options["bits"]
     if values.get("stereo", options["stereo"]) == "none":
         del options["eye_distance"]

@@ -6,11 +6,12 @@ import shutil
 import struct
 import subprocess
 import zlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache
 from itertools import chain, pairwise
 from pathlib import Path
+from typing import Any
 
 import imageio.v3 as iio
 import imageio_ffmpeg
@@ -21,7 +22,7 @@ from PIL import Image
 from povgen import remedies, stopping
 from povgen.errors import InputError
 from povgen.files import is_full, temporary_folder
-from povgen.record import MAX_FRAMES, Record, into_movie, png_of
+from povgen.record import MAX_FRAMES, Record, in_png, into_movie, png_of
 from povgen.rendering import light
 from povgen.version import __version__
 
@@ -225,3 +226,10 @@ def exr(picture: NDArray[np.float32], record: Record) -> bytes:
         except RuntimeError as error:  # OpenEXR's, of a full disk; its message names the file
             raise OSError(str(error)) from None
         return path.read_bytes()
+
+
+# for each ending in `record.PICTURES`
+PICTURES: dict[str, Callable[[NDArray[Any], Record], bytes]] = {
+    ".png": lambda picture, record: in_png(png(picture), record),
+    ".exr": exr,
+}

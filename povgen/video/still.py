@@ -16,7 +16,7 @@ from PIL.Image import Image, fromarray
 from povgen import files
 from povgen.errors import InputError, TransientError, shown
 from povgen.progress import bar, parts
-from povgen.record import MAX_FRAMES, MAX_PICTURES, Record, differing, in_png, shell_command
+from povgen.record import MAX_FRAMES, MAX_PICTURES, PICTURES, Record, differing, in_png, shell_command
 from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
@@ -41,7 +41,6 @@ if TYPE_CHECKING:  # these, and `encode`, are slow to load, and a picture from t
     from povgen.video.overlay import Colour
     from povgen.video.side import Extent
 
-SUFFIXES = ".png", ".exr"
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
 MADE_PIXELS = 1 << 25  # if so many pictures have more pixels together, fewer are made at once
 MAX_LARGE = 2**22  # a record holds the pictures of sky and floor only up to this number of bytes; also the meshes
@@ -172,9 +171,9 @@ def save(scene: Scene, path: str | Path, **options: Unpack[Options]) -> Path:
     InputError, before anything is rendered, if the file cannot be written.
     """
     scene, rendering = checked_scene(scene), rendering_for(path, options)
-    output = files.checked_output(path, SUFFIXES, inputs=input_files([scene]))
+    output = files.checked_output(path, PICTURES, inputs=input_files([scene]))
     target = output.resolve()  # the current folder may change meanwhile
-    files.save(as_file(scene, rendering), target)
+    files.save(as_file(scene, rendering, output.suffix), target)
     return output
 
 
@@ -184,18 +183,18 @@ def rendering_for(path: object, options: Mapping[str, object]) -> Rendering:
     Raises InputError if the path has another ending, for an option that is not allowed, and for bits that the file
     cannot have.
     """
-    is_exr = files.as_path(path, SUFFIXES, "output").suffix.lower() == ".exr"
-    rendering = Rendering(**{"bits": 32 if is_exr else 8, **options})
-    if is_exr != (rendering.bits == 32):
-        kind, bits = ("an EXR file", "32") if is_exr else ("a PNG file", "8 or 16")
+    kind, bits = PICTURES[files.as_path(path, PICTURES, "output").suffix.lower()]
+    rendering = Rendering(**{"bits": bits[0], **options})
+    if rendering.bits not in bits:
+        allowed = " or ".join(map(str, bits))
         raise InputError(
-            f"bits = {rendering.bits}: {kind} has {bits}; allowed: {bits}, or an output with another ending"
+            f"bits = {rendering.bits}: {kind} has {allowed}; allowed: {allowed}, or an output with another ending"
         )
     return rendering
 
 
-def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = True) -> bytes:
-    """Return the scene's picture as the bytes of a PNG file, or of an EXR file if `rendering.bits` is 32.
+def as_file(scene: Scene, rendering: Rendering | None = None, ending: str = ".png", *, quiet: bool = True) -> bytes:
+    """Return the scene's picture as the bytes of a file with this ending, which can have the rendering's bits.
 
     With `quiet=False`, a terminal shows how much of the picture is there. Raises InputError for a request that is not
     allowed, and PovrayError if POV-Ray fails.
@@ -205,13 +204,12 @@ def as_file(scene: Scene, rendering: Rendering | None = None, *, quiet: bool = T
         light.exr()  # raises an error before anything is rendered
     made = record_of([scene], rendering)
     frames = _frames(scene, rendering, quiet)
-    if len(frames) == 1 and not draws_on(scene, rendering) and not rendering.is_light:
+    if ending.lower() == ".png" and len(frames) == 1 and not draws_on(scene, rendering) and not rendering.is_light:
         return in_png(frames[0], made)
 
     from povgen.video import encode
 
-    shown = picture(frames, scene, rendering)
-    return encode.exr(shown, made) if rendering.bits == 32 else in_png(encode.png(shown), made)
+    return encode.PICTURES[ending.lower()](picture(frames, scene, rendering), made)
 
 
 def record_of(

@@ -10,15 +10,15 @@ from povgen.cli.command import Command, fields
 from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.progress import wrote
-from povgen.record import check_unasked
+from povgen.record import PICTURES, check_unasked
 from povgen.scene.scenes import input_files
-from povgen.video.still import SUFFIXES, as_file, rendering_for
+from povgen.video.still import as_file, rendering_for
 
 
 @click.command("frame", cls=Command)
 @click.argument("scene", metavar="[SCENE]", required=False, help="chess or spheres; none with --from")
 @options.source
-@options.output("FILE", "the file to write, .png or .exr (default frame.png)")
+@options.output("FILE", f"the file to write, {' or '.join(PICTURES)} (default frame.png)")
 @options.tolerance
 @options.dry_run
 @options.quiet
@@ -32,7 +32,7 @@ def command(
     quiet: bool,
     **values: Any,  # noqa: ANN401  (texts and Booleans)
 ) -> None:
-    """Render a scene to a PNG or EXR file, or one again --from its file.
+    """Render a scene to a file, or one again --from its file.
 
     --sheet auto chooses the cheapest sheet model within --tolerance.
     """
@@ -50,7 +50,7 @@ def command(
         values["sheet"] = "detailed"
     made = first.replace(**values) if first else options.scene_of(str(scene), values)
     inputs: list[str | Path] = [*input_files([made]), *([source] if source else [])]
-    file = checked_output(output or "frame.png", SUFFIXES, inputs=inputs)
+    file = checked_output(output or "frame.png", PICTURES, inputs=inputs)
     rendering = rendering_for(file, chosen)
     check_unasked([] if output or dry_run else [file])
     if automatic is not None:
@@ -58,6 +58,6 @@ def command(
         made, rendering = made.replace(**sheet), rendering_for(file, {**chosen, **choice})
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
     if options.ready([made], rendering, values if automatic is None else {}, dry_run, quiet):
-        save(as_file(made, rendering, quiet=quiet), file)
+        save(as_file(made, rendering, file.suffix, quiet=quiet), file)
         if not quiet:
             wrote(file)
