@@ -54,6 +54,7 @@ def fan(n, slope=0.25, seed=1):
         (LENS.replace("radii = [1]", "radii = [0.4]"), "edge 1: radius = 0.4; allowed: 0, or 0.5 to 10000 periods"),
         (LENS.replace("[[1, 2], [0, 2]]\nradii = [2]", "[[1, 0.3], [0, 0.3]]\nradii = [-0.5]"), "edges 1 and 2 cross"),
         (PRISM.replace("[0.5, 1]", "[0.9, 0]"), r"outline 1, edge 2: begins and ends at \[0.9, 0\]"),
+        (PRISM.replace("[0.9, 0]", "[1.1, 0]"), "edge 1: u from 0.1 to 1.1 periods; allowed: 0 to 1"),
         (PRISM.replace("[0.5, 1]", "[0.5, 0]"), "outline 1: glass or air on both sides"),
         (HOLE.format("[[0, 0.1], [1, 0.1]], radii = [0.5]"), "outline 3: between another outline's arc and"),
         (LENS.split("[[outline]]  #")[0], "^1 outlines that continue in the next period; allowed: an even"),
