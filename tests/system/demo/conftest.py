@@ -96,6 +96,7 @@ def page(shared_page):
           fromHash("");
           $("loop").checked = false;
           $("shortcuts").checked = true;
+          for (const each of document.querySelectorAll("details")) each.open = false;
           document.activeElement.blur();
           scrollTo(0, 0);
           draw();
