@@ -21,8 +21,8 @@ def file(scene):
 
 @cache
 def rendered(scene, size):
-    """Return the picture with 25 rays a pixel: its error is a small part of the tolerances."""
-    return speed.sample(to_pov(scene), "1,0.001,5", size)[1]
+    """Return the picture with 36 rays a pixel: its error is a small part of the tolerances."""
+    return speed.sample(to_pov(scene), "1,0.001,6", size)[1]
 
 
 def converged(scene, size):

@@ -37,7 +37,7 @@ export function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
   const values = valuesOf(given);
   if (LANGUAGES.includes(given.get("language"))) choose(given.get("language"), true);
-  const question = given.has("own") ? own(given.get("own")) : numberOf(given.get("question"));
+  const question = given.has("own") ? own(given.get("own")) : QUESTIONS.findIndex(({ name }) => name === given.get("question"));
   if (QUESTIONS[question]) {
     Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
     session.lastQuestion = question;
@@ -46,9 +46,6 @@ export function fromHash(hash) {
   change(values);
   [session.replaced, session.own] = [null, {}];
 }
-
-// The number of the question with this name, or with this number from 1, as older links have it; -1 if there is none.
-const numberOf = (name) => QUESTIONS.findIndex((question, n) => name === question.name || name === String(n + 1));
 
 // The number of a teacher's own question in an address; -1 if it is none.
 function own(text) {
