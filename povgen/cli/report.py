@@ -5,7 +5,7 @@ from itertools import chain
 from typing import Any
 
 from povgen.progress import say
-from povgen.rendering import surveys
+from povgen.rendering import survey_cache
 from povgen.rendering.views import views
 from povgen.scene.scenes import Scene, used_parameters
 from povgen.scene.warnings import warnings
@@ -21,11 +21,11 @@ def warn(values: Mapping[str, Any], scenes: Sequence[Scene], rendering: Renderin
     texts_by_limit: dict[str, list[str]] = {}
     shown = [views(scene, rendering) if rendering else [scene] for scene in scenes]
     if rendering:
-        surveys.make(chain(*shown))
+        survey_cache.make(chain(*shown))
     for several in shown:
         found: dict[str, str] = {}
         for view in several:
-            found = dict(warnings(view, rendering, surveys.found(view) if rendering else None)) | found
+            found = dict(warnings(view, rendering, survey_cache.found(view) if rendering else None)) | found
         for limit, text in found.items():
             texts_by_limit.setdefault(limit, []).append(text)
     for texts in texts_by_limit.values():

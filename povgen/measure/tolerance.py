@@ -1,6 +1,6 @@
 """How errors of building a pair of sheets change what is seen: sensitivities, and a simulation of many random builds.
 
-All is found by the exact ray trace, on the designed path (`scene.quantities.seen`). The errors are those of
+All is found by the exact ray trace, on the designed path (`scene.quantities.traced_image`). The errors are those of
 `sheets.prisms.ERRORS`, without those of lenses.
 """
 
@@ -31,10 +31,10 @@ STEPS = {
 DEVIATIONS = (*STEPS, *RANDOM)
 PERCENTILES = (50, 90, 95, 99)
 ARCMINUTE = np.pi / 180 / 60
-QUANTITIES = ("seen_x", "seen_y", "seen_nu", "seen_M", "blur")
+SPREADS = ("seen_x", "seen_y", "seen_nu", "seen_M", "blur")
 
 Floats = NDArray[np.float64]
-Seen = Floats  # the QUANTITIES of several scenes, (5, n), or of one scene
+Seen = Floats  # the SPREADS of several scenes, (5, n), or of one scene
 
 
 class Spread(Model):
@@ -177,8 +177,8 @@ def _check(scene: Scene) -> None:
 
 
 def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> Seen:
-    table = results(scenes, *QUANTITIES, workers=workers, scheduler=scheduler)
-    return np.stack([table[name] for name in QUANTITIES])
+    table = results(scenes, *SPREADS, workers=workers, scheduler=scheduler)
+    return np.stack([table[name] for name in SPREADS])
 
 
 def _change(scene: Scene, before: Seen, after: Seen) -> Change:

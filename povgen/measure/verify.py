@@ -46,7 +46,7 @@ SHORT_ALPHAS = (0, 35, 90, 180)
 # Ranges of |alpha|, degrees, each with the greatest ratio of the paraxial prediction's error to eq. 7's error. It is
 # large near alpha = 0: nearly parallel sheets show bands (moire), which the prediction ignores.
 ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
-ERRORS: dict[str, dict[str, Any]] = {  # of building
+BUILDS_WITH_ERRORS: dict[str, dict[str, Any]] = {  # of building
     "index and base angle": {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3}},
     "turn, tilts and separation": {"error": {"turn": 2, "tilt_x": 3, "far_tilt_y": 2, "separation": 0.1}},
     "single facets": {"prisms": 30, "error": {"facets": 1, "seed": 5}},
@@ -170,7 +170,7 @@ def prisms() -> Iterator[Check]:
         yield pixels(f"{kind}, 4 alphas", *({"alpha": alpha, **shape} for alpha in SHORT_ALPHAS))
         scenes = targets("detailed", 12, seed=5, E=0j, alphas=between, **shape)
         yield prediction(f"{kind}, |alpha| {between[0]} to {between[1]} deg", scenes, most)
-    for kind, values in ERRORS.items():
+    for kind, values in BUILDS_WITH_ERRORS.items():
         yield pixels(f"errors: {kind}", values)
 
 

@@ -87,7 +87,7 @@ class _Cells:
 
 
 @dataclass(frozen=True)
-class Prisms(_Cells):
+class PrismCells(_Cells):
     """The shapes of the prisms in sheets.
 
     If all sheets have the same shape, each field is a number, or a pair of numbers. Otherwise it is an array with a
@@ -104,7 +104,7 @@ class Prisms(_Cells):
     far: tuple[Floats, Floats] | None = None  # cosine and sine of the far facet, if it has another angle
 
     @classmethod
-    def of(cls, shapes: list[Prism], window: float) -> "Prisms":
+    def of(cls, shapes: list[Prism], window: float) -> "PrismCells":
         """Return the prisms of sheets with these shapes, one for each sheet, in windows with this side."""
         if len(set(shapes)) == 1:
             shapes = shapes[:1]
@@ -175,7 +175,7 @@ class Prisms(_Cells):
 
 
 @dataclass(frozen=True, kw_only=True)
-class UnequalPrisms(Prisms):
+class UnequalPrismCells(PrismCells):
     """Prisms whose single facets differ from the planned angle, and whose heights differ from the planned height."""
 
     bottoms: (
@@ -186,13 +186,13 @@ class UnequalPrisms(Prisms):
     sheet: Indices | None = None  # of each ray
 
     @classmethod
-    def of_sheets(cls, sheets: tuple[GlassSheet, ...], shapes: list[Prism], window: float) -> "UnequalPrisms":
+    def of_sheets(cls, sheets: tuple[GlassSheet, ...], shapes: list[Prism], window: float) -> "UnequalPrismCells":
         """Return the prisms of these sheets, in windows with this side."""
         found = [single_prisms(sheet, window) for sheet in sheets]
         most = max(len(angles) for _, _, angles in found)
         bottoms = [np.pad(bottoms, (0, most + 1 - len(bottoms)), "edge") for _, bottoms, _ in found]
         angles = [np.pad(angles, ((0, most - len(angles)), (0, 0)), "edge") for _, _, angles in found]
-        equal = Prisms.of(shapes, window)
+        equal = PrismCells.of(shapes, window)
         same = {field.name: getattr(equal, field.name) for field in fields(equal)}
         return cls(**same, bottoms=np.array(bottoms), angles=np.array(angles), lowest=np.array([n for n, *_ in found]))
 
@@ -222,8 +222,8 @@ class UnequalPrisms(Prisms):
 
 
 @dataclass(frozen=True)
-class Profiles(_Cells):
-    """Profiles of sheets, with the methods of `Prisms`. The fields of type Any are numbers or arrays as there."""
+class ProfileCells(_Cells):
+    """The cells of profiles, with the methods of `PrismCells`. Fields of type Any are numbers or arrays as there."""
 
     shapes: list[Profile]
     which: Any  # the number of the shape: None if all sheets have the same, or an array
@@ -234,7 +234,7 @@ class Profiles(_Cells):
     cell: Any = None  # if `is_mismatched`: each ray's cell; the number is its lower border, in periods from the middle
 
     @classmethod
-    def of(cls, shapes: list[Prism | Profile], window: float) -> "Profiles":
+    def of(cls, shapes: list[Prism | Profile], window: float) -> "ProfileCells":
         """Return the profiles of sheets with these shapes, one for each sheet, in windows with this side."""
         profiles = [dove(shape) if isinstance(shape, Prism) else shape for shape in shapes]
         one, many = profiles[0], [*dict.fromkeys(profiles)]
@@ -244,7 +244,7 @@ class Profiles(_Cells):
         pitch, half, index = np.array([(shape.pitch, shape.length / 2, shape.index) for shape in profiles]).T
         return cls(many, which, pitch, half, index, -window / 2)
 
-    def at(self, sheet: Indices, cell: Floats | None = None) -> "Profiles":
+    def at(self, sheet: Indices, cell: Floats | None = None) -> "ProfileCells":
         """Return the shape for each ray. `sheet` is the number of its sheet, from 0, and `cell` that of its cell."""
         own = () if self.which is None else ("which", "pitch", "half", "index")
         found = replace(self, **{name: getattr(self, name)[sheet] for name in own}) if own else self

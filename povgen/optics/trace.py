@@ -25,7 +25,17 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from povgen.optics.faces import BORDER, Booleans, Face, Floats, GlassSheet, Indices, Prisms, Profiles, UnequalPrisms
+from povgen.optics.faces import (
+    BORDER,
+    Booleans,
+    Face,
+    Floats,
+    GlassSheet,
+    Indices,
+    PrismCells,
+    ProfileCells,
+    UnequalPrismCells,
+)
 from povgen.optics.polarisation import reflection
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
@@ -132,7 +142,7 @@ def trace(
     return rays
 
 
-def _glass(sheets: tuple[GlassSheet, ...], window: float) -> Prisms | Profiles:
+def _glass(sheets: tuple[GlassSheet, ...], window: float) -> PrismCells | ProfileCells:
     """Return what a ray meets in the sheets. Raises ValueError for sheets through which no ray can be followed."""
     shapes = dict.fromkeys(sheet.shape for sheet in sheets)
     for name, value in (("window", window), *(("pitch", shape.pitch) for shape in shapes)):
@@ -147,9 +157,9 @@ def _glass(sheets: tuple[GlassSheet, ...], window: float) -> Prisms | Profiles:
         if sheet.centre < least - 1e-9 * window:  # for rounding
             raise ValueError(f"centre = {sheet.centre:g}: overlaps the sheet before; allowed: {least:g} or more")
     if len(prisms) < len(sheets):
-        return Profiles.of([sheet.shape for sheet in sheets], window)
+        return ProfileCells.of([sheet.shape for sheet in sheets], window)
     unequal = any(sheet.facets or sheet.pitches for sheet in sheets)
-    return UnequalPrisms.of_sheets(sheets, prisms, window) if unequal else Prisms.of(prisms, window)
+    return UnequalPrismCells.of_sheets(sheets, prisms, window) if unequal else PrismCells.of(prisms, window)
 
 
 def on_path(rays: Rays, shapes: Sequence[Prism | Profile], forward: ArrayLike = True) -> Booleans:
@@ -200,7 +210,7 @@ class _Trace:
         rays: Rays,
         most: Indices,
         sheets: tuple[GlassSheet, ...],
-        glass: Prisms | Profiles,
+        glass: PrismCells | ProfileCells,
         window: float,
         frame: float,
         partial: "np.random.Generator | None",
@@ -216,7 +226,7 @@ class _Trace:
         self.middle = np.array([self.centre[self.window == window].mean() for window in self.window])
         self.half_window, self.frame = window / 2, frame / 2
         # of profiles: the cell in which a ray first met glass in its sheet, and the one in which it did last
-        self.borders = isinstance(glass, Profiles)
+        self.borders = isinstance(glass, ProfileCells)
         self.entered, self.last = np.empty((2, n if self.borders else 0))
         self.x, self.u, self.z, self.dx, self.dy, self.dz, self.cell, self.c, self.s = np.empty((9, n))
         self.forward = rays.direction[:, 2] > 0
@@ -373,7 +383,7 @@ class _Trace:
         self.rays.faces[i, count] = face
         self.rays.count[i] = count + 1
         nu, nz = self.glass.at(self.sheet[i], self.cell[i]).normals(face, self.u[i], self.z[i])
-        if isinstance(self.glass, Profiles):
+        if isinstance(self.glass, ProfileCells):
             cell = self.cell[i] + self.glass.at(self.sheet[i], self.cell[i]).copy(face, self.u[i])
             self.entered[i] = np.where(np.isnan(self.entered[i]), cell, self.entered[i])
             self.last[i] = cell

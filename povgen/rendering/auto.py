@@ -24,7 +24,7 @@ from povgen import limits
 from povgen.errors import InputError, TransientError, shown
 from povgen.files import temporary_folder
 from povgen.optics import equations
-from povgen.rendering import gl_runner, gl_scene, povray, surveys
+from povgen.rendering import gl_runner, gl_scene, povray, survey_cache
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture
@@ -267,7 +267,7 @@ class _Trial:
         mosaics = []
         for scene, part in self.mosaics:
             shown = scene.model_copy(update={"sheet": sheet})
-            source = gl_scene.to_text(shown, volumes(pieces(shown), timeout=self.timeout), surveys.found(shown))
+            source = gl_scene.to_text(shown, volumes(pieces(shown), timeout=self.timeout), survey_cache.found(shown))
             with temporary_folder() as folder:
                 whole = read_png(self._drawing.run(source, rendering, folder))
             rows = [[whole[y : y + part.side, x : x + part.side] for x, y in row] for row in part.blocks]

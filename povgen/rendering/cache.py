@@ -1,7 +1,7 @@
 """The cache: a marked folder of finished frames, ray traces and distance fields.
 
 A file is named after its key: a text that states what the file was made from. `frame_path` makes a frame's key. A ray
-trace's key is made in surveys.py, a distance field's in volumes.py.
+trace's key is made in survey_cache.py, a distance field's in volumes.py.
 """
 
 import errno

@@ -16,7 +16,7 @@ from PIL.PngImagePlugin import PngImageFile
 from povgen import stopping
 from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.files import temporary_folder
-from povgen.rendering import cache, gl_runner, gl_scene, light, povray, surveys
+from povgen.rendering import cache, gl_runner, gl_scene, light, povray, survey_cache
 from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
 from povgen.rendering.views import views
 from povgen.rendering.volumes import volumes
@@ -92,7 +92,7 @@ def render_all(
     to_text, runner, workers = renderer_of(every, rendering, runner, workers, part)
     try:
         with thread_pool(runner, workers) as pool:
-            surveys.make(every)
+            survey_cache.make(every)
             begun = _begun(every, rendering, runner, pool, AHEAD * workers, to_text)
             for group in shown:
                 pngs, faults = [], []
@@ -143,7 +143,7 @@ def renderer_of(
     shapes = volumes(shown, timeout=rendering.timeout)
 
     def to_text(scene: Scene) -> str:
-        return gl_scene.to_text(scene, shapes, surveys.found(scene, store=True), clipped=not rendering.is_light)
+        return gl_scene.to_text(scene, shapes, survey_cache.found(scene, store=True), clipped=not rendering.is_light)
 
     return to_text, runner, workers
 
@@ -157,7 +157,7 @@ def drawn_by(renderer: str) -> str:
 
 
 def _to_pov(scene: Scene) -> str:
-    return to_pov(scene, found=surveys.found(scene, store=True))
+    return to_pov(scene, found=survey_cache.found(scene, store=True))
 
 
 def _begun(

@@ -49,7 +49,7 @@ def _shares(scene: Scene) -> Shares:
     return shares(scene.trace(camera.through(scene, P)), "black" in _tops(scene))
 
 
-class Seen(NamedTuple):
+class TracedImage(NamedTuple):
     """The first object as the eye sees it through the windows, by the ray trace."""
 
     position: complex  # in the plane z = 0, tiles
@@ -60,11 +60,11 @@ class Seen(NamedTuple):
     blur: float  # RMS distance of a point's images by the single prisms from their mean, in the plane z = 0, tiles
 
 
-NOT_SEEN = Seen(complex(np.nan, np.nan), np.nan, np.nan, np.nan)
+NOT_SEEN = TracedImage(complex(np.nan, np.nan), np.nan, np.nan, np.nan)
 
 
 @lru_cache(1)
-def seen(scene: Scene) -> Seen:
+def traced_image(scene: Scene) -> TracedImage:
     """Return the first object as the eye sees it: NaN if too little light on the designed path shows it.
 
     If it appears at infinity, M is infinite. Rays from the eye pass random points of a disc around the object's
@@ -91,7 +91,7 @@ def seen(scene: Scene) -> Seen:
     right, other = a.conjugate() / size, -b / size
     off = place - basis @ (there, a, b)
     blur = np.sqrt(np.mean(abs(right * off + other * off.conj()) ** 2))
-    return Seen(
+    return TracedImage(
         complex(centre - right * there - other * there.conjugate()),
         float(np.degrees(np.angle(right))) if size > 0 else np.nan,
         float(max(abs(right), abs(other))),
@@ -132,12 +132,16 @@ QUANTITIES = {
     ),
     "M": Quantity(lambda scene: float(scene.nu_and_M(scene.distances[0])[1]), "", "its magnification"),
     "visible": Quantity(lambda scene: float(scene.visible(*scene.objects[0])), "", "1 if the eye sees it, otherwise 0"),
-    "seen_x": Quantity(lambda scene: seen(scene).position.real, "tiles", "x by the ray trace, on the designed path"),
-    "seen_y": Quantity(lambda scene: seen(scene).position.imag, "tiles", "the same for y"),
-    "seen_nu": Quantity(lambda scene: seen(scene).nu, "degrees", "nu by the ray trace, from -180 to 180"),
-    "seen_M": Quantity(lambda scene: seen(scene).M, "", "M by the ray trace"),
+    "seen_x": Quantity(
+        lambda scene: traced_image(scene).position.real, "tiles", "x by the ray trace, on the designed path"
+    ),
+    "seen_y": Quantity(lambda scene: traced_image(scene).position.imag, "tiles", "the same for y"),
+    "seen_nu": Quantity(lambda scene: traced_image(scene).nu, "degrees", "nu by the ray trace, from -180 to 180"),
+    "seen_M": Quantity(lambda scene: traced_image(scene).M, "", "M by the ray trace"),
     "blur": Quantity(
-        lambda scene: seen(scene).blur, "tiles", "RMS distance in the plane z = 0 of a point's images by single prisms"
+        lambda scene: traced_image(scene).blur,
+        "tiles",
+        "RMS distance in the plane z = 0 of a point's images by single prisms",
     ),
     "designed": Quantity(
         lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"

@@ -1,4 +1,4 @@
-"""Draw predicted positions on a picture, and add strips with texts: the key of the colours, and the caption."""
+"""Draw predicted positions on a picture, and add strips with texts: the legend, and the caption."""
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
@@ -31,7 +31,7 @@ LINE_COLOUR = R_COLOUR
 POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E: object and eye, projected onto the plane z = 0
 EDGE = (*DARK, 255)  # of points
 DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
-OUTLINES = {  # for each name in `Scene.outlines`: its text in the key, its colour, and the colour of its edge
+OUTLINES = {  # for each name in `Scene.outlines`: its text in the legend, its colour, and the colour of its edge
     "predicted_image": ("predicted image", IMAGE_COLOUR, HALO),
     "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, (*DARK, 210)),
 }
@@ -55,17 +55,17 @@ def annotated(
     caption: Caption | None = None,
     said: Sequence[tuple[str, Colour]] | None = None,
 ) -> NDArray[np.uint8]:
-    """Return the scene's picture with an overlay, the overlay's key and a caption, as `rendering` asks.
+    """Return the scene's picture with an overlay, its legend and a caption, as `rendering` asks.
 
-    Pictures are (height, width, 3) bytes. The key is in a strip above the picture, the caption in a strip below it:
+    Pictures are (height, width, 3) bytes. The legend is in a strip above the picture, the caption in a strip below it:
     they cover no part of the picture. Their heights are even numbers of pixels. Without `caption`, the caption is made
     for this scene alone. A frame of a movie needs `caption`, because it depends on all scenes of the movie. It also
-    needs `said`, the entries of the key, which `common_key` returns. Without `said`, they are those of the function
-    `key`. Outlines of the pieces, and the line of a sheet, are drawn on the picture too.
+    needs `said`, the entries of the legend, which `common_legend` returns. Without `said`, they are those of the
+    function `legend`. Outlines of the pieces, and the line of a sheet, are drawn on the picture too.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
-    said = key(scene, rendering) if said is None else said
+    said = legend(scene, rendering) if said is None else said
     above = strip([Item(text, text, colour) for text, colour in said], width, height, texts.size)
     below = strip([Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)], width, height, texts.size)
     made = np.empty((len(above) + height + len(below), width, 3), np.uint8)
@@ -90,10 +90,10 @@ class Item(NamedTuple):
     colour: Colour | None = None
 
 
-def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return what the key above the picture says: a text for each kind of mark or line on the picture.
+def legend(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
+    """Return what the legend above the picture says: a text for each kind of mark or line on the picture.
 
-    If the picture has no caption, note, side view or overlay, `rendering.annotated` is false, and there is no key.
+    If the picture has no caption, note, side view or overlay, `rendering.annotated` is false, and there is no legend.
     """
     two = scene.rotates
     texts = []
@@ -117,13 +117,13 @@ def key(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     return texts
 
 
-def common_key(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
-    """Return the common key of a movie's frames, or of the two pictures of a stereo pair: all entries of their keys.
+def common_legend(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
+    """Return the common legend of a movie's frames, or of the two pictures of a stereo pair: the entries of all.
 
     Then all strips are equally high, even if a point is in the window in some frames only.
     """
     shown = (view for scene in scenes for view in views(scene, rendering))
-    return list(dict.fromkeys(item for view in shown for item in key(view, rendering)))
+    return list(dict.fromkeys(item for view in shown for item in legend(view, rendering)))
 
 
 def _broken(item: Item, most: float) -> list[Item]:
@@ -336,7 +336,7 @@ def positions(scene: Scene) -> list[complex]:
     return [complex(position) for position, visible in (scene.seen(*each) for each in objects) if visible]
 
 
-@lru_cache(maxsize=4096)  # through lenses it takes half a second, and both the key and the overlay need it
+@lru_cache(maxsize=4096)  # through lenses it takes half a second, and both the legend and the overlay need it
 def ghosts(scene: Scene) -> list[complex]:
     """Return the predicted positions of the objects' ghosts through lenses (`Scene.ghosts`), in tiles."""
     return [ghost.position for L, z1 in scene.objects for ghost in scene.ghosts(L, z1)]

@@ -143,7 +143,7 @@ def pictures(
         if movie and rendering.annotated:
             from povgen.video import captions, overlay, side
 
-            texts, said = captions.captions(once, rendering), overlay.common_key(once, rendering)
+            texts, said = captions.captions(once, rendering), overlay.common_legend(once, rendering)
         if movie and rendering.side_view:
             shows = side.extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)
         waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
@@ -268,7 +268,7 @@ def picture(
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
     Each frame gets the overlay, the caption and the side view that `rendering` asks for. In a movie, `caption`, `shows`
-    (the extent of the side view) and `said` (the key) must be given, because they depend on all scenes of the movie.
+    (the extent of the side view) and `said` (the legend) must be given, because they depend on all scenes of the movie.
     """
     if rendering.is_light:
         made = composed([light.unpacked(frame, rendering.size) for frame in frames], scene, rendering)
@@ -278,7 +278,7 @@ def picture(
         from povgen.video import overlay, side
 
         shown = views(scene, rendering)
-        said = overlay.common_key([scene], rendering) if said is None else said
+        said = overlay.common_legend([scene], rendering) if said is None else said
         pictures = [overlay.annotated(*each, rendering, caption, said) for each in zip(pictures, shown, strict=True)]
     if rendering.side_view:
         strips = [side.side_view(view, *rendering.size, shows) for view in shown]

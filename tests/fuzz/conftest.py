@@ -176,7 +176,7 @@ def place(tmp_path_factory):
         patch.setattr(check, "faults", lambda report: [])
         assert build.encode is encode and page.build is build
         yield
-    quantities.seen.cache_clear()
+    quantities.traced_image.cache_clear()
     os.chdir(started)
 
 

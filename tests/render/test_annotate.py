@@ -57,7 +57,7 @@ def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
     plain = render(scene, size=size, antialias="off")
     monkeypatch.setattr(povray.Runner, "run", None)  # no need to render again
     both = render(scene, size=size, antialias="off", caption="full", overlay=True)
-    explained = overlay.key(scene, Rendering(overlay=True))
+    explained = overlay.legend(scene, Rendering(overlay=True))
     top = len(overlay.strip([overlay.Item(text, text, colour) for text, colour in explained], *size))
     assert len(both) > len(plain) + top
     within = both[top : top + size[1]]

@@ -16,7 +16,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, files, movie, optics, sheets, to_pov
 from povgen.errors import TransientError
-from povgen.rendering import cache, frames, surveys
+from povgen.rendering import cache, frames, survey_cache
 from povgen.scene import survey
 
 SCENE = Chess(sheet="none")
@@ -207,14 +207,14 @@ def test_rays_are_traced_once(monkeypatch):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(survey, "of_inputs", lambda given: traced.append(given) or trace(given))
             _, ran = rendered(scene)
-            assert not ran and surveys.found(scene) == found
+            assert not ran and survey_cache.found(scene) == found
         return len(traced)
 
     assert again() == 0
     whole = kept.read_bytes()
     kept.write_bytes(whole.replace(b"trace_level", b"trace_bevel"))
     assert again() == 1 and kept.read_bytes() == whole and again() == 0
-    monkeypatch.setattr(surveys, "_code_of_trace", lambda: "another")
+    monkeypatch.setattr(survey_cache, "_code_of_trace", lambda: "another")
     assert again() == 1
 
 
@@ -237,7 +237,7 @@ def test_an_output_keeps_its_mode(made, tmp_path):
 
 def test_a_survey_belongs_to_all_code_that_makes_it(tmp_path, monkeypatch):
     """A survey is made anew after a change in any module of povgen.optics or povgen.sheets."""
-    checksum = surveys._code_of_trace.__wrapped__
+    checksum = survey_cache._code_of_trace.__wrapped__
     before = checksum()
     for package in (optics, sheets):
         copied = shutil.copytree(package.__path__[0], tmp_path / package.__name__)

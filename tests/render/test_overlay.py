@@ -123,7 +123,7 @@ def test_curves_are_whole_and_never_cross_infinity(scene, z1, alphas, monkeypatc
 def test_no_mark_where_the_frame_hides_the_object(scene):
     picture = drawn(scene, overlay=True)
     assert not len(yellow(picture)) and not overlay.positions(scene)
-    assert overlay.P_COLOUR not in [colour for _, colour in overlay.key(scene, Rendering(overlay=True))]
+    assert overlay.P_COLOUR not in [colour for _, colour in overlay.legend(scene, Rendering(overlay=True))]
     drawn_at = camera.pixels(scene, (640, 480))[(picture != 120).any(-1)]
     front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
     reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
@@ -213,7 +213,7 @@ def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
 def test_the_key_explains_each_colour_that_is_drawn():
     for scene in (Chess(), Chess(sheet="single"), Spheres(), Chess(predicted_image=True), Spheres(z1=[3])):
         rendering = Rendering(size=(640, 480), overlay=True)
-        colours = [colour for _, colour in overlay.key(scene, rendering)]
+        colours = [colour for _, colour in overlay.legend(scene, rendering)]
         curves = [colour for _, colour in overlay.loci(scene)]
         assert colours[0] == overlay.P_COLOUR
         assert [colour for colour in colours if colour in (overlay.ALPHA_COLOUR, overlay.R_COLOUR)] == curves
@@ -235,9 +235,8 @@ def test_the_line_of_a_mirror_and_an_axis_is_drawn(scene, name, way, monkeypatch
     monkeypatch.setattr(overlay, "loci", lambda *_: [])
     picture = drawn(scene, overlay=True)
     place = camera.pixels(scene, (640, 480))[(picture == overlay.LINE_COLOUR[:3]).all(-1)]
-    assert [text for text, colour in overlay.key(scene, Rendering(overlay=True)) if colour == overlay.LINE_COLOUR] == [
-        *filter(None, [name])
-    ]
+    legend = overlay.legend(scene, Rendering(overlay=True))
+    assert [text for text, colour in legend if colour == overlay.LINE_COLOUR] == [*filter(None, [name])]
     if name:
         turned = place / way
         assert np.ptp(turned.real) > 0.98 * scene.aperture and abs(turned.imag).max() < 2.7 * scene.view / 480
@@ -261,9 +260,9 @@ def test_outlines_through_windows_that_turn_nothing_are_those_without_sheets(win
 
 def test_a_key_explains_outlines_with_a_caption_too():
     scene = Chess(predicted_image=True, direct_image=True)
-    explained = [colour for _, colour in overlay.key(scene, Rendering(caption="full"))]
+    explained = [colour for _, colour in overlay.legend(scene, Rendering(caption="full"))]
     assert explained == [overlay.IMAGE_COLOUR, overlay.DIRECT_COLOUR]
-    assert overlay.key(scene, Rendering()) == [] == overlay.key(Chess(), Rendering(caption="full"))
+    assert overlay.legend(scene, Rendering()) == [] == overlay.legend(Chess(), Rendering(caption="full"))
 
 
 @pytest.mark.parametrize(

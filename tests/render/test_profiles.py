@@ -85,7 +85,7 @@ def test_no_ghost_is_marked_where_its_light_shows_other_points():
 def test_ghosts_are_marked():
     lenses = Chess(sheet="lenticular", f_number=4)
     assert len(overlay.ghosts(lenses)) == 1 and not overlay.ghosts(Chess())
-    texts = [text for text, _ in overlay.key(lenses, Rendering(overlay=True))]
+    texts = [text for text, _ in overlay.legend(lenses, Rendering(overlay=True))]
     assert "predicted ghosts" in texts and "predicted ghosts" not in [
-        text for text, _ in overlay.key(Chess(), Rendering(overlay=True))
+        text for text, _ in overlay.legend(Chess(), Rendering(overlay=True))
     ]

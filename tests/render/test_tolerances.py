@@ -16,7 +16,7 @@ from povgen.optics.profile import confocal
 from povgen.optics.trace import trace
 from povgen.rendering.views import check_gl
 from povgen.scene import quantities
-from povgen.scene.quantities import seen
+from povgen.scene.quantities import traced_image
 
 FINE = Chess(prisms=1000, alpha=90, z1=10, z2=10)
 
@@ -75,9 +75,9 @@ def test_the_prediction_knows_the_error(error):
     """Glass and base angle of both facets alike do not turn light."""
     wrong = FINE.replace(error={error: {"separation": 0.2, "index": 0.05, "far_index": 0.05}.get(error, 0.5)})
     predicted = wrong.apparent_position(wrong.L, wrong.z1)
-    effect = abs(seen(wrong).position - seen(FINE).position)
+    effect = abs(traced_image(wrong).position - traced_image(FINE).position)
     assert (effect > 0.005) is (error in ("turn", "tilt_x", "tilt_y", "far_tilt_x", "separation"))
-    assert abs(seen(wrong).position - predicted) < 0.1 * effect + 5e-4
+    assert abs(traced_image(wrong).position - predicted) < 0.1 * effect + 5e-4
 
 
 def test_facets_that_differ_turn_light_as_snells_law_says():
@@ -168,7 +168,7 @@ def test_the_picture_of_arrays_of_different_pitch_repeats():
 def test_the_prediction_knows_the_pitch(mismatch):
     scene = Chess(sheet="lenticular", lenses=400, f_number=6, alpha=40, z1=3)
     wrong = scene.replace(error={"pitch": mismatch, "far_pitch": mismatch})
-    traced, predicted = seen(wrong), wrong.apparent_position(wrong.L, 3)
+    traced, predicted = traced_image(wrong), wrong.apparent_position(wrong.L, 3)
     plan = scene.apparent_position(scene.L, 3)
     assert abs(traced.position - predicted) < 0.1 * abs(traced.position - plan)
 

@@ -174,7 +174,7 @@ def test_overlays_are_drawn(values):
     scene = Chess(**values)
     ((parts, _),) = overlay.loci(scene, 0.02)
     assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
-    assert "P at all distances z₁" in dict(overlay.key(scene, Rendering(overlay=True)))
+    assert "P at all distances z₁" in dict(overlay.legend(scene, Rendering(overlay=True)))
     assert "M" not in captions.facts(scene)
     assert ("ratio" in captions.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
     assert not [*warnings.warnings(scene, Rendering(overlay=True, caption="full"))]

@@ -8,7 +8,7 @@ from povgen.measure.measured import px
 from povgen.optics.trace import End
 from povgen.scene import camera, survey, warnings
 from povgen.scene.pieces import PieceFile
-from povgen.scene.quantities import seen
+from povgen.scene.quantities import traced_image
 from povgen.settings import Rendering
 
 
@@ -99,7 +99,7 @@ def test_lenses_more_than_a_pitch_from_those_opposite_are_warned_of():
     values = {"sheet": "lenticular", "lenses": 1800, "f_number": 4, "alpha": 138, "aperture": 10}
     scene = Chess(z1=2.1, z2=9, x=1.1, error={"pitch": 0.001, "far_pitch": 0.0016}, **values)
     (L, z1), (radius,) = scene.objects[0], scene.radii
-    error = px(abs(seen(scene).position - scene.apparent_position(L, z1)), scene.view)
+    error = px(abs(traced_image(scene).position - scene.apparent_position(L, z1)), scene.view)
     assert 9 < error < warnings.possible_error(scene, L, z1, radius) < 20
 
 

@@ -17,7 +17,7 @@ from povgen.measure import probes
 from povgen.optics import equations
 from povgen.optics.uncertainty import RADII
 from povgen.scene import camera, cells, survey, warnings
-from povgen.scene.quantities import seen
+from povgen.scene.quantities import traced_image
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 
@@ -177,7 +177,7 @@ def test_slopes_far_from_those_of_the_prediction_are_warned_of(times, rng):
             values["error"] = dict(zip(("pitch", "far_pitch"), rng.uniform(-0.004, 0.004, 2), strict=True))
         scene = Chess(**kind, **values)
         (L, z1), (radius,) = scene.objects[0], scene.radii
-        error = abs(seen(scene).position - scene.apparent_position(L, z1)) / scene.view * 960
+        error = abs(traced_image(scene).position - scene.apparent_position(L, z1)) / scene.view * 960
         if error > MAX_ERROR:  # not NaN
             larger += 1
             assert error < warnings.possible_error(scene, L, z1, radius), scene

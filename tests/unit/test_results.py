@@ -12,7 +12,7 @@ from conftest import refusal
 
 from povgen import Chess, InputError, Spheres, results, stopping
 from povgen.optics import equations, series
-from povgen.rendering import parallel, surveys
+from povgen.rendering import parallel, survey_cache
 from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
 from povgen.scene import mesh, survey
@@ -162,11 +162,11 @@ def test_surveys_of_many_scenes_are_made_by_several_processes(talking, monkeypat
         Chess(sheet="lenticular", f_number=8),
         Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 1}, window="z=3,sheet=detailed,prisms=10"),
     ]
-    monkeypatch.setattr(surveys.cache, "load_values", lambda _: None)
-    monkeypatch.setattr(surveys, "EACH", 2)
-    monkeypatch.setattr(surveys, "cores", lambda: 2)
+    monkeypatch.setattr(survey_cache.cache, "load_values", lambda _: None)
+    monkeypatch.setattr(survey_cache, "EACH", 2)
+    monkeypatch.setattr(survey_cache, "cores", lambda: 2)
     monkeypatch.setattr(survey, "known", {})
-    surveys.make([Chess(sheet="ideal"), *scenes[:1], *scenes])
+    survey_cache.make([Chess(sheet="ideal"), *scenes[:1], *scenes])
     assert {given: survey._traced(given) for given in map(survey.inputs, scenes)} == survey.known
     triangle = b"solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid\n"
     assert "1 of" not in mesh.text_and_note(triangle, "stl", "", 0.3)[1]

@@ -130,7 +130,7 @@ def test_captions_and_curves_are_of_all_windows():
         "M": "1.33",
     }
     ((parts, colour),) = overlay.loci(scene)
-    assert colour == overlay.ALPHA_COLOUR and len(overlay.key(scene, Rendering(overlay=True))) == 3
+    assert colour == overlay.ALPHA_COLOUR and len(overlay.legend(scene, Rendering(overlay=True))) == 3
     curve = np.concatenate(parts)
     assert abs(curve - overlay.positions(scene)[0]).min() < 0.01  # the blue curve runs through the yellow dot
     assert captions.facts(scene.replace(alpha=60))["alpha"] == "60°, 120°"
