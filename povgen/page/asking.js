@@ -1,4 +1,4 @@
-// The panel of the questions: a class predicts, and the page then shows the answer.
+// The panel of the questions: a class predicts and votes, and the page then shows the answer. Also a teacher's own questions.
 
 import { fromHash, SWITCHES, toHash } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";

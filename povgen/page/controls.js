@@ -86,9 +86,9 @@ function numberField(input, step, values) {
   };
   for (const end of ["change", "blur"]) {  // a text that is again what it was is no change
     input.addEventListener(end, () => {
+      refuse(false);
       if (session.typing !== input) return;
       session.typing = null;
-      refuse(false);
       if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
       refresh();
     });
@@ -99,6 +99,7 @@ function numberField(input, step, values) {
     if (!Number.isFinite(x)) return;
     event.preventDefault();
     session.typing = null;
+    refuse(false);
     given(values(x));
   });
 }

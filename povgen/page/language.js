@@ -1,4 +1,5 @@
-// The page's sentences, in the language that is chosen: the tables of languages/. Plurals, numbers and lists are the browser's.
+// The page's sentences, in the language that is chosen: the tables of languages/. Also how numbers are written and
+// read. Plurals and lists are the browser's.
 
 import { radians } from "../liveview/geometry.js";
 import { finite } from "./complex.js";

@@ -168,7 +168,7 @@ export function possibleError(now) {
 const STEP = 1e-6;  // of the slopes of neighbouring rays
 
 // Whether the line of sight through a place in the plane of the first window passes beside the second one.
-export function isBesideSecond(now, place) {
+function isBesideSecond(now, place) {
   const at = atSecondWindow(now, place);
   return Boolean(at) && outside(at, now.scene);
 }

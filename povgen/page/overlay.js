@@ -190,4 +190,4 @@ export function compared(drawn) {
 }
 
 // Where the outline shows a point at d from L: the picture is turned about E.
-export const dashedPoint = ({ nu, M }, d) => plus(state.E, scaled(M, times(turn(nu), minus(plus(state.L, d), state.E))));
+const dashedPoint = ({ nu, M }, d) => plus(state.E, scaled(M, times(turn(nu), minus(plus(state.L, d), state.E))));

@@ -1,4 +1,4 @@
-// The canvas, its picture as a file, and what is shown where there is none.
+// The canvas, its picture as a file, what is shown where there is none, and the curtain with a second picture.
 
 import { still } from "../liveview/readout.js";
 import { LiveView } from "../liveview/view.js";
@@ -98,10 +98,10 @@ let sky = null;  // the picture in the place of the mountains
 export const otherView = () => other;
 
 export function drawCompare(now) {
-  const on = state.compare !== "off";
-  for (const id of ["curtain", "curtain-line", "other-view", "curtain-names"]) $(id).hidden = !on;
+  const shown = state.compare !== "off";
+  for (const id of ["curtain", "curtain-line", "other-view", "curtain-names"]) $(id).hidden = !shown;
   $("compare").value = state.compare;
-  if (!on) return;
+  if (!shown) return;
   const scene = otherScene(now);
   if (!other) {
     other = new LiveView($("other-view"), { ...scene, pictures: data.scenes.chess.pictures }, data.volumes);

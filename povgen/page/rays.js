@@ -1,5 +1,5 @@
 // Rays of light through all windows of the scene, as lines in space: traced through each prism (trace.js), or turned by the
-// law of an ideal sheet. Points are [x, y, z], in tiles.
+// law of an ideal sheet. Also the field of rays. Points are [x, y, z], in tiles.
 
 import * as geometry from "../liveview/geometry.js";
 import { bending, hasPrisms } from "../liveview/sheets.js";

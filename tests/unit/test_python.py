@@ -94,6 +94,15 @@ def test_all_ways_to_make_a_model_check_it(make):
         make({"alpha": "400"})
 
 
+@pytest.mark.parametrize("model", [Chess, Spheres, Rendering, MovieSpec, Sweep])
+def test_no_parameter_takes_anything(model):
+    required = MOVIE if model is MovieSpec else {"parameter": "alpha", "start": 0, "stop": 1} if model is Sweep else {}
+    for name, field in model.model_fields.items():
+        for wrong in [object(), *([True, [True]] if field.annotation is not bool else [])]:
+            with pytest.raises(InputError, match=f"^{name} = "):
+                model(**{**required, name: wrong})
+
+
 @pytest.mark.parametrize("several", [np.array([2, 3, 4]), range(2, 5), (2, 3, 4), [np.float64(2), "3", 4]])
 def test_one_value_for_each_object(several):
     assert Chess(z1=several).z1 == Spheres(z1=several).z1 == Chess(z1=2, x=several).x == (2, 3, 4)

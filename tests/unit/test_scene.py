@@ -1,10 +1,12 @@
 """A scene's parameters: what each one moves, and what follows from it."""
 
+import re
+
 import numpy as np
 import pytest
 from conftest import glass, mirrored_position
 
-from povgen import Chess, InputError, Rendering, Spheres
+from povgen import Chess, InputError, Rendering, Spheres, to_pov
 from povgen.errors import at_least, at_most
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
@@ -162,3 +164,12 @@ def test_a_default_view_follows_the_values_of_a_copy():
     assert coarse.view > VIEW == coarse.replace(prisms=100).view == coarse.replace(view=VIEW).view
     left, right = views(coarse.replace(eye=(9, 0)), Rendering(stereo="pair"))
     assert left.view == right.view
+
+
+def test_the_text_for_povray_states_values_with_15_digits():
+    values = {"z1": 5 + 1 / 3, "z2": 7 / 3, "aperture": 2.123456789012, "view": 10 / 3, "x": -1 / 7, "pedestal": 1 / 3}
+    values |= {"index": 4 / 3 + 0.2, "base_angle": 45 + 1 / 3, "gap": 1 / 30, "aspect": 1 + 1 / 7, "prisms": 123}
+    names = ("Z1", "Z2", "Window", "ViewHeight", "PieceX", "Pedestal", "GlassIndex", "BaseAngle", "AirGap", "Aspect")
+    source = to_pov(Chess(**values))
+    for name, value in zip((*names, "Prisms"), values.values(), strict=True):
+        assert re.search(rf"#declare {name} += {re.escape(f'{value:.15g}')};", source), name
