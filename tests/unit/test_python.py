@@ -25,6 +25,7 @@ from povgen import (
 )
 from povgen.page.page import demo
 from povgen.scene.scenes import Scene
+from povgen.scene.spec import Sweep
 from povgen.settings import Options
 from povgen.validation import Model
 
