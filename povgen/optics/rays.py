@@ -167,11 +167,6 @@ class Traced(_Lines, Rays):
     """
 
     windows: NDArray[np.int8]
-
-    def has_passed(self, count: int) -> Booleans:
-        """Return which rays have met every one of `count` windows."""
-        return np.asarray(np.all([(self.windows == window).any(-1) for window in range(count)], 0))
-
     _precision = _PRECISION
 
 
@@ -272,7 +267,7 @@ def trace_windows(
     if not isinstance(partial, (np.random.Generator, type(None))):
         raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
-    sheets = [window.sheet.glass_sheets for window in windows]
+    sheets = [window.sheet.layers_at(0.0, 0) for window in windows]
     n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
     found = Rays.starting(position, direction.copy(), most if layers else 0, layers)

@@ -11,6 +11,7 @@ from itertools import combinations, islice
 from math import hypot
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
+import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
@@ -122,7 +123,8 @@ class Scene(Predicted):
         end as `End.BESIDE`. Raises InputError for a `max_faces` that is not a whole number from 1 to 100,000.
         """
         found = trace_windows(rays, self.openings, max_faces, partial)
-        found.end[(found.end == End.THROUGH) & ~found.has_passed(len(self.windows))] = End.BESIDE
+        every = [(found.windows == w).any(-1) for w in range(len(self.windows))]
+        found.end[(found.end == End.THROUGH) & ~np.all(every, 0)] = End.BESIDE
         found.designed &= found.end == End.THROUGH
         return found
 

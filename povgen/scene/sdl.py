@@ -134,7 +134,7 @@ def to_pov(
     shown_by = cells.template(scene)
     sampling = Sampling(**options).suited(scene.has_prisms)
     first = scene.sheets[0]
-    built = first.glass_sheets if isinstance(first, PrismPair) and not first.is_exact else ()
+    built = first.layers_at(0.0, 0) if isinstance(first, PrismPair) and not first.is_exact else ()
     return (
         _environment()
         .get_template(f"{scene.name}.pov.j2")
@@ -217,7 +217,7 @@ def _profiles(scene: Scene) -> list[ProfileWindow]:
     for number, sheet in enumerate(scene.sheets):
         if isinstance(sheet, Layered) and not isinstance(shape := sheet.shape, Prism):
             suffix = suffixes.setdefault((sheet.counted, shape), f"_{len(suffixes) + 1}" if suffixes else "")
-            shapes = [] if sheet.is_exact else [built.shape for built in sheet.glass_sheets]
+            shapes = [] if sheet.is_exact else [built.shape for built in sheet.layers_at(0.0, 0)]
             near, far = shapes or (None, shape)
             found.append(ProfileWindow(number, sheet, far, suffix, near))
     return found

@@ -103,7 +103,7 @@ def uniforms(
 
 def _sheets(scene: Scene) -> dict[str, Any]:
     """Return the uniforms of povgen/liveview/prisms.glsl: of two sheets for each window. A missing one has zeros."""
-    windows = [sheet.glass_sheets for sheet in scene.sheets]
+    windows = [sheet.layers_at(0.0, k) for k, sheet in enumerate(scene.sheets)]
     none = GlassSheet(0.0, 0.0, Prism(1.0))
     layers = [layer for sheets in windows for layer in (*sheets, none, none)[:2]]
     prisms = [_prism(scene, window) for window in scene.parameter_sets]

@@ -5,7 +5,6 @@ through one slanted facet, to the base, and through the other slanted facet. Thr
 out at the lens opposite.
 """
 
-from collections.abc import Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -13,9 +12,8 @@ import numpy as np
 
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
 from povgen.optics import apparent, trace
-from povgen.optics.equations import Complexes
-from povgen.optics.pose import Pose
-from povgen.optics.rays import Bundle, Opening, Traced, trace_windows
+from povgen.optics.equations import Complexes, Floats
+from povgen.optics.faces import GlassSheet
 from povgen.scene.scenes import Scene
 from povgen.scene.windows import Placed
 
@@ -43,6 +41,11 @@ class SurveyInputs(NamedTuple):
 def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
     """Return everything on which a scene's survey depends."""
     return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, scene.depth, side)
+
+
+def prism_sheets(windows: tuple[Placed, ...]) -> tuple[GlassSheet, ...]:
+    """Return the sheets of prisms in windows, the nearest to the eye first."""
+    return tuple(layer for number, window in enumerate(windows) for layer in window.sheet.layers_at(window.z, number))
 
 
 def survey(scene: Scene, side: int = 60) -> Survey:
@@ -77,10 +80,10 @@ def _traced(given: SurveyInputs) -> Survey:
     last ideal one.
     """
     windows, z2, E, aperture, depth, side = given
-    first = len(windows) - sum(window.sheet.layers > 0 for window in windows)
-    glass = [Opening(Pose(z=z), sheet, sheet.depth) for z, sheet in windows[first:]]
-    faces = sum(len(trace.path_of(layer.shape)) for window in glass for layer in window.sheet.glass_sheets)
+    glass = prism_sheets(windows)
+    faces = sum(len(trace.path_of(sheet.shape)) for sheet in glass)
     level, designed = max(5, faces + 1), 0.0
+    first = len(windows) - sum(window.sheet.layers > 0 for window in windows)
     start_z = windows[first - 1].z if first else -z2
     # First rays to each window's middle plane, then rays into its frame. In a deep frame, these are different rays.
     targets = product(range(first, len(windows)), (0.0, depth))
@@ -90,16 +93,14 @@ def _traced(given: SurveyInputs) -> Survey:
     away = np.concatenate([P[first] for P in several]) - start
     origin = np.column_stack((start.real, start.imag, np.full(len(start), start_z)))
     direction = np.column_stack((away.real, away.imag, np.full(len(start), windows[first].z - start_z)))
-    rays = Bundle(origin, direction)
-    every = trace_windows(rays, glass)
+    every = trace.trace(origin, direction, glass, aperture)
     ends = np.cumsum([P.shape[1] for P in several])
     for group in map(slice, [0, *ends], ends):
         if not len(origin[group]):  # other windows hide this one
             designed = 0.0
             continue
-        found = every[group]
-        level = max(level, _level(rays[group], found, glass))
-        designed = float((found.designed & found.has_passed(len(glass))).mean())
+        level = max(level, _level(origin[group], direction[group], every[group], glass, aperture))
+        designed = float(every[group].designed.mean())
     return Survey(level, designed)
 
 
@@ -151,7 +152,13 @@ def _crossings_up_to(number: int, given: SurveyInputs) -> Complexes:
     return P[:-1]
 
 
-def _level(rays: Bundle, found: Traced, glass: Sequence[Opening]) -> int:
+def _level(
+    origin: Floats,
+    direction: Floats,
+    found: trace.Rays,
+    glass: tuple[GlassSheet, ...],
+    window: float,
+) -> int:
     """Return the least trace level that loses few of the traced rays. Rays that reach no prism do not count."""
     reached = found.count > 0
     faces = np.where(found.end == trace.End.FRAME, 0, found.count)
@@ -159,7 +166,7 @@ def _level(rays: Bundle, found: Traced, glass: Sequence[Opening]) -> int:
     lost = max(1, int(0.8 * MAX_LOST_FRACTION * reached.sum()))
     unfinished = found.end == trace.End.UNFINISHED
     if unfinished.sum() >= lost:  # too many rays met more faces than the first trace follows: follow these further
-        longer = trace_windows(rays[unfinished], glass, MAX_FACES)
+        longer = trace.trace(origin[unfinished], direction[unfinished], glass, window, MAX_FACES)
         faces[unfinished] = np.where(longer.end == trace.End.FRAME, 0, longer.count)
     return int(np.sort(faces)[-lost]) + 1
 

@@ -31,10 +31,9 @@ class Layered(Sheet):
 
     @cached_property
     def transfer(self) -> Matrix:
-        return paraxial.transfer(self.glass_sheets)
+        return paraxial.transfer(self.layers_at(0.0, 0))
 
-    @property
-    def glass_sheets(self) -> tuple[faces.GlassSheet, ...]:
+    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
         if self.layers == 1:
-            return (faces.GlassSheet(0.0, 0.0, self.shape),)
-        return trace.pair(self.alpha, self.shape)
+            return (faces.GlassSheet(0.0, z, self.shape, window),)
+        return trace.pair(self.alpha, self.shape, z, window)

@@ -81,20 +81,16 @@ class Lenticular(Layered):
         """
         check_ranges(self.values["error"], OF_LENSES, "lenses")
         if not self.is_exact:
-            self._built_shapes()
+            self.layers_at(0.0, 0)
 
     @cached_property
     def shape(self) -> Profile:
         return self._shape_of(0.0)
 
-    @property
-    def glass_sheets(self) -> tuple[faces.GlassSheet, ...]:
-        built = zip(super().glass_sheets, self._built_shapes(), strict=True)
-        return tuple(replace(sheet, shape=shape) for sheet, shape in built)
-
-    def _built_shapes(self) -> list[Profile]:
-        """Return the shapes of the near sheet and of the far one, with the errors of building."""
-        return [self._shape_of(self.values["error"].get(name, 0.0)) for name in OF_LENSES]
+    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
+        near, far = super().layers_at(z, window)
+        wrong = [self.values["error"].get(name, 0.0) for name in OF_LENSES]
+        return replace(near, shape=self._shape_of(wrong[0])), replace(far, shape=self._shape_of(wrong[1]))
 
     def _shape_of(self, mismatch: float) -> Profile:
         """Return the shape of a sheet whose pitch on the object's side is greater by the fraction `mismatch`.

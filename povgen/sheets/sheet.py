@@ -125,11 +125,11 @@ class Sheet:
         """Extent along z, tiles."""
         return 0.0
 
-    @property
-    def glass_sheets(self) -> tuple[faces.GlassSheet, ...]:
-        """The sheets of glass of which this sheet consists, the nearest to the eye first; none for an ideal sheet.
+    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
+        """Return the layers of glass of which this sheet consists, the one nearest to the eye first.
 
-        Their places are measured from the window's middle plane, tiles.
+        z is the place of the sheet's middle plane, tiles from the first window. `window` is the number of its window,
+        from 0. An ideal sheet has no layers.
         """
         return ()
 

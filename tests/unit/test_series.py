@@ -111,7 +111,7 @@ def windows(alpha, behind, prism):
     """Return the sheets of windows in series, with `behind` as in `equations.depth`. All have the same prisms."""
     places = np.cumsum([0, *(d for d, _ in behind)])
     turns = [alpha, *(turn for _, turn in behind)]
-    return sum((pair(turn, prism, z) for turn, z in zip(turns, places, strict=True)), ())
+    return sum((pair(turn, prism, z, n) for n, (turn, z) in enumerate(zip(turns, places, strict=True))), ())
 
 
 def traced(series, prisms, points, E=0.1 + 0.2j, z2=6.0, **shape):

@@ -161,7 +161,7 @@ def test_the_trace_level_leaves_few_pixels_of_each_window_of_prisms_black(values
     """Of the pixels that show this window. Few rays reach one that is far behind others."""
     scene = probes.Directions(**{"sheet": "detailed", **values})
     level = survey.max_trace_level(scene)
-    assert level == live_values(scene)["faces"] > 3 * sum(len(sheet.glass_sheets) for sheet in scene.sheets)
+    assert level == live_values(scene)["faces"] > 3 * len(survey.prism_sheets(scene.windows))
     for number in seen:
         found = scene.trace(rays_to(scene, number, 6000, rng), max_faces=255)
         reached = found.count > 0
