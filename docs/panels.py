@@ -13,7 +13,7 @@ from povgen.paper import agreement
 from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.captions import Caption
-from povgen.video.overlay import Item, annotated, key, strip
+from povgen.video.overlay import Item, annotated, legend, strip
 from povgen.video.text import DARK, STRIP, text_width, write
 
 SIZE, WIDE = (480, 480), (968, 480)  # of a panel, and of a picture with one, pixels
@@ -152,7 +152,7 @@ def _rendering(shown: Panel) -> Rendering:
 
 def _key(shown: Panel, width: int) -> Picture:
     """Return the strip with the key of a panel's overlay, for a picture of this width."""
-    return strip([Item(text, text, colour) for text, colour in key(shown.scene, _rendering(shown))], width, SIZE[1])
+    return strip([Item(text, text, colour) for text, colour in legend(shown.scene, _rendering(shown))], width, SIZE[1])
 
 
 def _name(draw: ImageDraw.ImageDraw, name: str, middle: tuple[float, float], end: tuple[float, float]) -> None:
