@@ -8,7 +8,7 @@ take the same paths. `trace.trace` follows rays through prisms. An ideal sheet b
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from numbers import Complex, Real
 from typing import Any, NamedTuple, Self
 
@@ -38,7 +38,14 @@ class Opening(NamedTuple):
 
     pose: Pose
     sheet: Element
-    frame: float = 0.0  # extent of the frame along the window's normal: at least that of prisms; 0: a bare ideal sheet
+    frame: float = 0.0  # extent of the frame along the window's normal; it is at least that of prisms or lenses
+
+    @property
+    def deep(self) -> "Opening":
+        """The window with a frame that is as deep as its prisms or lenses."""
+        sheets = self.sheet.layers_at(0.0, 0)
+        depth = sheets[-1].centre - sheets[0].centre + sheets[0].shape.length if sheets else 0.0
+        return self._replace(frame=max(self.frame, depth))
 
     def passage(self, position: Floats, direction: Floats) -> tuple[Floats, Floats]:
         """Return how far along rays (n, 3), in the window's coordinates, the space within its frame begins and ends.
@@ -166,7 +173,7 @@ class Traced(_Lines, Rays):
     order, and -1 after the last.
     """
 
-    windows: NDArray[np.int8]
+    windows: NDArray[np.int32]
     _precision = _PRECISION
 
 
@@ -252,18 +259,22 @@ def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
 
 
 def trace_windows(
-    rays: Bundle, windows: Sequence[Opening], most: int = 60, partial: "np.random.Generator | None" = None
+    rays: Bundle, windows: Iterable[Opening], most: int = 60, partial: "np.random.Generator | None" = None
 ) -> Traced:
-    """Follow a bundle through windows that stand anywhere.
+    """Follow a bundle through windows that stand anywhere, but not in one another.
 
     A ray passes the nearest window that it meets, then the nearest that it meets behind this one, and so on. Paths run
     both ways: a ray that meets an ideal sheet from behind takes the path of a ray from the front, backwards. A ray ends
     where it meets no further window (`End.BESIDE` if it has met none), after `most` faces of prisms or lenses, from 1
     to MOST_FACES, and after MOST_CROSSINGS windows. `partial` is as for `trace.trace`. Raises ValueError for arguments
-    of other types, and for rays that start in glass.
+    of other types, and for rays that start in glass, or between the two sheets of a window.
     """
     if not isinstance(rays, Bundle):
         raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
+    windows = list(windows)
+    for window in windows:
+        if not isinstance(window, Opening):
+            raise ValueError(f"windows: {type(window).__name__}; allowed: each an Opening")
     if not isinstance(partial, (np.random.Generator, type(None))):
         raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
@@ -272,7 +283,7 @@ def trace_windows(
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
     found = Rays.starting(position, direction.copy(), most if layers else 0, layers)
     found.end[:], found.designed[:] = End.BESIDE, True
-    way = _Way(found, windows, sheets, most, partial)
+    way = _Way(found, [window.deep for window in windows], sheets, most, partial)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         met = way.run()
     found.designed &= found.end == End.THROUGH
@@ -289,20 +300,20 @@ class _Way:
     sheets: Sequence[Sequence[GlassSheet]]  # of prisms or lenses, in each window
     most: int
     partial: "np.random.Generator | None"
+    met: list[NDArray[np.int32]] = field(default_factory=list)  # the windows that the rays have met, one after another
 
-    def run(self) -> NDArray[np.int8]:
+    def run(self) -> NDArray[np.int32]:
         """Follow each ray to its end. Return the windows that it meets, as in `Traced`."""
         i = np.arange(len(self.rays.end))
         last = np.full(len(i), -1)
-        every: list[NDArray[np.int8]] = []
         while True:
             met, distance = self.nearest(i, last)
             i, distance, met = i[met >= 0], distance[met >= 0], met[met >= 0]
-            if not len(i) or len(every) == MOST_CROSSINGS:
+            if not len(i) or len(self.met) == MOST_CROSSINGS:
                 self.rays.end[i] = End.UNFINISHED
-                return np.stack(every, 1) if every else np.empty((len(self.rays.end), 0), np.int8)
-            every.append(np.full(len(self.rays.end), -1, np.int8))
-            every[-1][i] = met
+                return np.stack(self.met, 1) if self.met else np.empty((len(self.rays.end), 0), np.int32)
+            self.met.append(np.full(len(self.rays.end), -1, np.int32))
+            self.met[-1][i] = met
             numbers = np.unique(met)
             leaving = [self.cross(i[met == w], w, distance[met == w]) for w in numbers]
             i, last = np.concatenate(leaving), np.repeat(numbers, [*map(len, leaving)])
@@ -327,10 +338,20 @@ class _Way:
         outside = distance > 0
         beside = outside & (abs(position[:, 2]) < (1 - 1e-9) * window.frame / 2)
         ends = np.where(beside, End.FRAME, End.THROUGH).astype(np.uint8)
+        # some rays start in the frame, behind the sheet: they only leave the frame
+        front, back = self.reach(w, direction[:, 2] > 0)
+        along = position[:, 2] * np.sign(direction[:, 2])
+        ahead = ~beside & (outside | (along <= front))
+        if (inside := ~beside & ~ahead & (along < back)).any():
+            ray = int(i[np.argmax(inside)])
+            raise ValueError(
+                f"ray {ray} from {self.rays.position[ray]}: inside the sheets of window {w + 1}; allowed: outside"
+            )
+        skipped = i[~beside & ~ahead]
+        self.met[-1][skipped], self.rays.designed[skipped] = -1, False
         if self.sheets[w]:
-            self.through_glass(i, w, outside, position, direction, ends)
+            self.through_glass(i, w, ahead, position, direction, ends)
         else:
-            ahead = ~beside & (outside | (position[:, 2] * direction[:, 2] <= 0))
             self.bend(np.flatnonzero(ahead), window, position, direction, ends)
             way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
             framed = ~window.is_in(position + way[:, None] * direction)
@@ -340,6 +361,15 @@ class _Way:
         returned = (self.rays.end[i] == End.BACK) ^ back
         self.rays.end[i] = np.where(leaves, np.where(returned, End.BACK, End.THROUGH), ends)
         return i[leaves]
+
+    def reach(self, w: int, forward: Booleans) -> tuple[Floats, Floats]:
+        """Return where a window's sheets begin and end, measured along z in the directions of rays."""
+        sheets, side = self.sheets[w], self.windows[w].sheet.aperture
+        if not sheets:
+            return np.zeros(len(forward)), np.zeros(len(forward))
+        first, last = sheets[0].centre - sheets[0].reach(side), sheets[-1].centre + sheets[-1].reach(side)
+        front, back = np.where(forward, first, -last), np.where(forward, last, -first)
+        return front + 1e-9 * side, back - 1e-9 * side  # a ray may start where another has left the sheets
 
     def bend(self, ahead: Indices, window: Opening, position: Floats, direction: Floats, ends: Any) -> None:  # noqa: ANN401
         """Bend the rays `ahead` where they meet an ideal sheet. Changes the arrays: in the window's coordinates."""
@@ -363,15 +393,13 @@ class _Way:
         self,
         i: Indices,
         w: int,
-        outside: Booleans,
+        ahead: Booleans,
         position: Floats,
         direction: Floats,
         ends: Any,  # noqa: ANN401
     ) -> None:
-        """Follow rays through prisms or lenses. Changes the arrays: in the window's coordinates."""
+        """Follow the rays `ahead` through prisms or lenses. Changes the arrays: in the window's coordinates."""
         rays, window, sheets = self.rays, self.windows[w], tuple(self.sheets[w])
-        back = sheets[-1].centre + sheets[-1].reach(window.sheet.aperture)
-        ahead = (ends == End.THROUGH) & (outside | (position[:, 2] * np.sign(direction[:, 2]) < back))
         first = sum(map(len, self.sheets[:w]))
         j, some = i[ahead], np.flatnonzero(ahead)
         met = rays.count[j]  # faces, before this window

@@ -114,7 +114,9 @@ class Drawer:
                 shown = np.frombuffer(pixels, made.dtype).reshape(high, wide, 3)
                 made[top : top + high, left : left + wide] = shown[::-1]
                 told(wide * high / (width * height))
-        return made / made.dtype.type(rays) if is_light else made
+        if is_light:
+            made /= made.dtype.type(rays)
+        return made
 
     def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> NDArray[np.float32]:
         """Return ray, shown and met, (3, height, width, 4): povgen/liveview/readout.glsl describes them."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
-from itertools import takewhile
+from itertools import dropwhile, takewhile
 from pathlib import Path
 from threading import Event, Timer
 from typing import Any
@@ -171,14 +171,16 @@ class Runner:
             process.kill()
 
         timer = Timer(timeout, end_late)
-        timer.start()
+        with suppress(RuntimeError):  # at the limit of threads there is no limit of time
+            timer.start()
         try:
             if asked:
                 with suppress(OSError):  # it has ended
                     process.stdin.write(json.dumps(asked).encode() + b"\n")
                     process.stdin.flush()
-            # of the start, other lines come first; the last line of a process that crashes may be cut off
-            lines = takewhile(lambda line: line.endswith(b"\n"), process.stdout)
+            # Python's own start can print something; the last line of a process that crashes may be cut off
+            own = process.stdout if asked else dropwhile(lambda line: line != stopping.BEGIN, process.stdout)
+            lines = takewhile(lambda line: line.endswith(b"\n"), own)
             for answer in map(json.loads, filter(lambda line: line.startswith(b"{"), lines)):
                 if "part" not in answer:
                     return dict(answer)

@@ -64,7 +64,7 @@ def reduce_file(path: Path, size: tuple[int, int]) -> None:
 
 def packed(light: Light) -> bytes:
     """Return light, (height, width, 3), as the bytes of a frame."""
-    return zlib.compress(np.ascontiguousarray(light, "<f4").tobytes(), 1)
+    return zlib.compress(np.ascontiguousarray(light, "<f4").data, 1)
 
 
 def unpacked(frame: bytes, size: tuple[int, int]) -> Light:

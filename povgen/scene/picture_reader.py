@@ -162,6 +162,7 @@ def _exr_of(data: bytes) -> hdr.Light:
     with TemporaryFile() as file:
         file.write(data)
         file.flush()
+        file.seek(0)  # where /dev/fd/N shares the place in the file
         return exr(Path(f"/dev/fd/{file.fileno()}"))
 
 

@@ -234,9 +234,10 @@ def checked_movie(
     width, height = rendering.size
     if rendering.side_view:
         height += 2 * round(HEIGHT * height / 2)
-    encode.check_size(output.suffix.lower(), width * (2 if rendering.stereo == "pair" else 1), height)
+    width *= 2 if rendering.stereo == "pair" else 1
+    encode.check_size(output.suffix.lower(), width, height)
     if output.suffix.lower() == ".gif":
-        encode.check_gif(frames, rate)
+        encode.check_gif(frames, rate, width * height)
     else:
         encode.check_encoder(output.suffix.lower())
     return output

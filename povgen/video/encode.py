@@ -39,6 +39,7 @@ FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
 # Seconds. A GIF stores the duration of a picture in 16 bits, in hundredths of a second. Equal successive pictures are
 # written once, with the sum of their durations. If all are equal, this sum is the whole movie.
 LONGEST_GIF = 655.35
+MOST_GIF = 2 * 10**9  # pixels; Pillow holds one byte for each in memory
 # The codec, the format of pixels that it is given, and its options. A keyframe every 6 frames lets players seek to any
 # frame at once. libwebp itself makes YUV of the colours of a WebP file.
 FORMATS = {
@@ -143,8 +144,15 @@ def check_size(ending: str, width: int, height: int) -> None:
         raise InputError(f"{ending[1:]}: pictures of {width}x{height} pixels; allowed: up to {most}x{most}")
 
 
-def check_gif(frames: int, rate: float) -> None:
-    """Raise InputError if a GIF cannot show so many frames at the right times, at `rate` frames a second."""
+def check_gif(frames: int, rate: float, pixels: int = 0) -> None:
+    """Raise InputError if a GIF cannot show so many frames at the right times, at `rate` frames a second.
+
+    Also raise it if their pixels, `pixels` in each frame, would need too much memory.
+    """
+    if frames * pixels > MOST_GIF:
+        raise InputError(
+            f"a GIF of {frames} frames of {pixels} pixels: allowed: up to {MOST_GIF} pixels in all, or a WebP file"
+        )
     if rate > FASTEST_GIF or frames / rate > LONGEST_GIF:
         raise InputError(
             f"a GIF of {frames} frames, {rate:.4g} a second, {frames / rate:.5g} s long: "

@@ -155,6 +155,12 @@ def test_a_gif_that_cannot_keep_its_times_is_refused(frames, rate):
             encode.check_gif(frames, rate)
 
 
+def test_a_gif_that_needs_too_much_memory_is_refused():
+    encode.check_gif(1000, 10, 10**6)
+    with pytest.raises(InputError, match="a GIF of 3000 frames of 1000000 pixels: allowed: up to"):
+        encode.check_gif(3000, 10, 10**6)
+
+
 @pytest.mark.parametrize(
     ("count", "alike", "rate"),
     [

@@ -128,6 +128,25 @@ def test_directions_round_a_star_return_at_its_angles_only(count, m, rng):
         assert off.max() < 1e-9 if returns else off.max() > 1e-3
 
 
+def test_what_windows_can_be():
+    glass = sheet("single", prisms=5)
+    found = trace_windows(Bundle((0.1, 0.2, -5), (0, 0, 1)), (Opening(Pose(z=z), glass) for z in (0, 9)))  # deep enough
+    assert [*found.windows[found.windows >= 0]][0] == 0 and found.count > 0
+    many = [Opening(Pose(x=3 * n), sheet("none")) for n in range(300)]
+    assert trace_windows(Bundle((3 * 256, 0, -5), (0, 0, 1)), many).windows == 256
+    with pytest.raises(ValueError, match=r"ray 1 from \[0. 0. 9.\]: inside the sheets of window 2; allowed: outside"):
+        trace_windows(Bundle([(0, 0, 4), (0, 0, 9)], (0, 0, 1)), [Opening(Pose(z=z), glass) for z in (0, 9)])
+    with pytest.raises(ValueError, match="windows: Pose; allowed: each an Opening"):
+        trace_windows(Bundle((0, 0, 4), (0, 0, 1)), [Pose()])
+
+
+def test_light_that_starts_behind_a_sheet_in_its_frame_has_not_passed_it():
+    for glass in (sheet("ideal", alpha=90), sheet("single", prisms=100)):
+        found = trace_windows(Bundle((0.1, 0.1, 0.29), (0.2, 0.1, 1)), [Opening(Pose(), glass, 0.6)])
+        assert found.end == End.THROUGH and not found.designed and found.windows == -1
+        assert (found.direction == Bundle((0, 0, 0), (0.2, 0.1, 1)).direction).all()
+
+
 def test_a_window_beside_the_axis_is_the_window_on_the_axis_for_a_moved_eye(rng):
     for name in SHEETS:
         window = Opening(Pose(), sheet(name), 0.4)
