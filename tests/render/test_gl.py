@@ -365,10 +365,11 @@ def test_too_little_memory_is_no_missing_library(runner, tmp_path, monkeypatch):
 
 
 @pytest.mark.release
-def test_what_a_driver_writes_is_no_answer(text, tmp_path, monkeypatch):
+def test_what_a_driver_or_python_writes_is_no_answer(text, tmp_path, monkeypatch):
     """And a relative PYTHONPATH is that of povgen's own working directory."""
     (tmp_path / "own").mkdir()
     (tmp_path / "own" / "sitecustomize.py").write_text(
+        "print('{hello}', flush=True)\n"
         "import os, moderngl\n"
         "create = moderngl.create_context\n"
         "moderngl.create_context = lambda **given: (os.write(1, b'libGL: hello\\n'), create(**given))[1]\n"
