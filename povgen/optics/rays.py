@@ -174,6 +174,21 @@ class Traced(_Lines, Rays):
     """
 
     windows: NDArray[np.int32]
+
+    def met_each_in_turn(self, forward: Booleans, count: int) -> Booleans:
+        """Return which rays have met every window on their way, if `count` windows stand one behind the other.
+
+        `forward` says which rays came from the side of window 0. A ray that returns meets them again.
+        """
+        if not self.windows.shape[-1]:
+            return np.zeros(self.shape, bool)
+        met = self.windows >= 0
+        last = np.take_along_axis(self.windows, np.maximum(met.sum(-1, keepdims=True) - 1, 0), -1)[..., 0]
+        near, far = np.where(forward, 0, count - 1), np.where(forward, count - 1, 0)
+        misses = (abs(np.diff(self.windows)) != 1) & met[..., 1:]
+        ends = (self.windows[..., 0] == near) & (last == np.where(self.end == End.BACK, near, far))
+        return np.asarray(ends & ~misses.any(-1))
+
     _precision = _PRECISION
 
 

@@ -11,7 +11,6 @@ from itertools import combinations, islice
 from math import hypot
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
@@ -124,8 +123,8 @@ class Scene(Predicted):
         not a whole number from 1 to 100,000.
         """
         found = trace_windows(rays, self.openings, max_faces, partial)
-        every = [(found.windows == w).any(-1) for w in range(len(self.windows))]
-        found.end[(found.end == End.THROUGH) & ~np.all(every, 0)] = End.BESIDE
+        passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(self.windows))
+        found.end[(found.end <= End.BACK) & ~passed] = End.BESIDE
         found.designed &= found.end == End.THROUGH
         return found
 

@@ -192,6 +192,7 @@ def test_movies_are_specs():
 
 
 @pytest.mark.release
+@pytest.mark.timeout(900)  # it renders movies and makes a package
 def test_adding_adds(tmp_path, environment):
     """The commands of docs/adding.md run in a copy of the project."""
     unwanted = shutil.ignore_patterns(
