@@ -147,9 +147,9 @@ def random_builds(scene: Scene, spread: Spread) -> list[Scene]:
 
 
 def builds(scene: Scene, made: Sequence[Scene], workers: int | None = None, scheduler: str | None = None) -> Change:
-    """Return how differently each of `random_builds` shows the object: arrays (builds,), without signs.
+    """Return the changes, without signs, from the scene to each of `made`, the result of `random_builds`: (builds,).
 
-    They, `made`, are compared with the scene. `workers` and `scheduler` are as for `rendering.results.results`.
+    `workers` and `scheduler` are as for `rendering.results.results`.
     """
     seen = _seen([scene, *made], workers, scheduler)
     change = _change(scene, seen[:, :1], seen[:, 1:])

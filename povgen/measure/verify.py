@@ -248,8 +248,11 @@ def light() -> Iterator[Check]:
     ]
     square = Light(sheet="detailed", fresnel=True, z1=2, L=0.3 + 0.1j, extent=0.25)
     yield Check("detailed", compare.partial_reflection, [square], lines, wrong=wrong)
-    for sheet, z2 in (("detailed", 6), ("single", 60)):
-        line = f"--fresnel, z2 = {z2}: brightness of the window ({{1:.3f}}, {{2:.1f}} % reflected), ray trace", 0.005
+    for sheet, name, z2 in (("detailed", "", 6), ("single", "single sheet, ", 60)):
+        line = (
+            f"--fresnel, {name}z2 = {z2}: brightness of the window ({{1:.3f}}, {{2:.1f}} % reflected), ray trace",
+            0.005,
+        )
         white = White(sheet=sheet, z2=z2, fresnel=True, **usual)
         yield Check("detailed", compare.reflected_light, [white], [line], wrong=wrong)
 

@@ -7,7 +7,7 @@ scene's if it is not turned. The three turns are about the object's middle, one 
 - pitch, about x: it turns y towards z, so that the top goes away from the eye;
 - yaw, about y: it turns z towards x, so that the right side comes to the eye.
 
-Each is about the scene's axes. The turns of a ship have the same names: yaw is the heading, and it comes last here.
+Each is about the scene's axes.
 """
 
 from typing import NamedTuple
@@ -50,6 +50,3 @@ class Pose(NamedTuple):
     def scene(self, position: Floats, direction: Floats) -> tuple[Floats, Floats]:
         """Return positions and directions (n, 3), which are in the object's own coordinates, in the scene's."""
         return position @ self.axes + self.place, direction @ self.axes
-
-
-HERE = Pose()

@@ -38,11 +38,11 @@ class Opening(NamedTuple):
 
     pose: Pose
     sheet: Element
-    frame: float = 0.0  # extent of the frame along the window's normal; it is at least that of prisms or lenses
+    frame: float = 0.0  # extent of the frame along the window's normal; `deep` makes it hold prisms or lenses
 
     @property
     def deep(self) -> "Opening":
-        """The window with a frame that is as deep as its prisms or lenses."""
+        """The window with a frame that is at least as deep as its prisms or lenses."""
         sheets = self.sheet.layers_at(0.0, 0)
         depth = sheets[-1].centre - sheets[0].centre + sheets[0].shape.length if sheets else 0.0
         return self._replace(frame=max(self.frame, depth))
@@ -170,7 +170,7 @@ class Traced(_Lines, Rays):
     is their number. A ray enters a sheet of lenses by one lens and leaves it by another. `orders` (..., sheets) says by
     how many cells the second lens is above the one opposite the first: 0 on the designed path. `light` and `reflected`
     are as in `trace.Rays`. `windows` (..., crossings) are the numbers of the windows that the ray meets, in their
-    order, and -1 after the last.
+    order, and -1 after the last, or where a ray starts in a frame behind its sheet.
     """
 
     windows: NDArray[np.int32]
@@ -276,7 +276,7 @@ def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
 def trace_windows(
     rays: Bundle, windows: Iterable[Opening], most: int = 60, partial: "np.random.Generator | None" = None
 ) -> Traced:
-    """Follow a bundle through windows that stand anywhere, but not in one another.
+    """Follow a bundle through windows that stand anywhere and do not overlap.
 
     A ray passes the nearest window that it meets, then the nearest that it meets behind this one, and so on. Paths run
     both ways: a ray that meets an ideal sheet from behind takes the path of a ray from the front, backwards. A ray ends
@@ -340,9 +340,10 @@ class _Way:
         """
         met, nearest = np.full(len(i), -1), np.full(len(i), np.inf)
         for w, window in enumerate(self.windows):
-            begins, ends = window.passage(*window.pose.own(self.rays.position[i], self.rays.direction[i]))
-            closer = (begins <= ends) & (ends >= 0) & (begins < nearest) & (last != w)
-            met[closer], nearest[closer] = w, begins[closer]
+            some = np.flatnonzero(last != w)
+            begins, ends = window.passage(*window.pose.own(self.rays.position[i[some]], self.rays.direction[i[some]]))
+            closer = (begins <= ends) & (ends >= 0) & (begins < nearest[some])
+            met[some[closer]], nearest[some[closer]] = w, begins[closer]
         return met, np.maximum(nearest, 0)
 
     def cross(self, i: Indices, w: int, distance: Floats) -> Indices:
@@ -387,7 +388,7 @@ class _Way:
         return front + 1e-9 * side, back - 1e-9 * side  # a ray may start where another has left the sheets
 
     def bend(self, ahead: Indices, window: Opening, position: Floats, direction: Floats, ends: Any) -> None:  # noqa: ANN401
-        """Bend the rays `ahead` where they meet an ideal sheet. Changes the arrays: in the window's coordinates."""
+        """Bend the rays `ahead` at an ideal sheet. Changes the arrays, which are in the window's coordinates."""
         p, d = position[ahead], direction[ahead]
         p = p - (p[:, 2] / d[:, 2])[:, None] * d
         p[:, 2] = 0
@@ -413,7 +414,7 @@ class _Way:
         direction: Floats,
         ends: Any,  # noqa: ANN401
     ) -> None:
-        """Follow the rays `ahead` through prisms or lenses. Changes the arrays: in the window's coordinates."""
+        """Follow the rays `ahead` through glass. Changes the arrays, which are in the window's coordinates."""
         rays, window, sheets = self.rays, self.windows[w], tuple(self.sheets[w])
         first = sum(map(len, self.sheets[:w]))
         j, some = i[ahead], np.flatnonzero(ahead)

@@ -33,7 +33,7 @@ from povgen.scene import hdr
 TILE = 1024  # pixels, a power of 2: the side of such a square
 STEP = 512  # `place` returns multiples of 1/STEP: these places are exact in 32-bit numbers in every tile
 PROGRAMS = 30  # at most so many compiled programs are kept: each law of a user's own needs another one
-RUN_LENGTHS = 3  # zlib's number: it looks only for bytes that repeat
+RUN_LENGTHS = 3  # Z_RLE of zlib: it compresses only runs of equal bytes
 SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
 VERTICES = """#version 330
 void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }"""
@@ -279,7 +279,7 @@ def main() -> None:
                 picture = drawer.picture(scene, *sampling, kind == "light", lambda part: say(part=part))
                 if kind == "light":
                     target.write_bytes(packed(picture))
-                else:  # compressed fast, not well
+                else:  # fast; the file is larger
                     fromarray(picture).save(target, "PNG", compress_level=1, compress_type=RUN_LENGTHS)
         except OSError as error:  # such as a full disk: `gl_runner` raises the error, and this process continues
             say(error=error.strerror or str(error), errno=error.errno)

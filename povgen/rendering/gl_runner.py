@@ -131,7 +131,7 @@ class Runner:
                     pass
 
     def _idle_after(self, work: Callable[[], Answer]) -> dict[str, Any]:
-        """Return what a process answers, which then waits for the next picture. A crash or a hang is tried again."""
+        """Return a process's answer; the process then waits for the next picture. Try twice if it crashes or hangs."""
         process, answer = tried(work, f"; {POVRAY}")
         self._idle.append(process)
         return answer

@@ -103,12 +103,12 @@ class Predicted(EyeAndWindows):
 
     @property
     def has_nu_and_M(self) -> bool:
-        """Whether the sheets do no more than to rotate light about their normal. Windows may have none."""
+        """Whether the sheets only rotate light about their normal. Windows may be empty."""
         return all(sheet.rotates or sheet.name == "none" for sheet in self.sheets)
 
     @property
     def _is_of_the_paper(self) -> bool:
-        """Whether eqs. 7 to 9 hold: no digits are then lost near the pole."""
+        """Whether to use eqs. 7 to 9, which are exact near the pole."""
         return self.sheets[0].name == "ideal" and not self.window
 
     def _turned(self, alpha: ArrayLike | None) -> apparent.Windows:

@@ -118,9 +118,9 @@ class Scene(Predicted):
 
         Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
         generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
-        Otherwise reflection is only total. Rays may start anywhere but inside a window's sheets. Those that do not pass
-        every window end as `End.BESIDE`. Raises InputError for a ray that starts there, and for a `max_faces` that is
-        not a whole number from 1 to 100,000.
+        Otherwise reflection is only total. Rays that do not pass every window end as `End.BESIDE`. Raises InputError
+        for a ray that starts inside a window's sheets, and for a `max_faces` that is not a whole number from 1 to
+        100,000.
         """
         found = trace_windows(rays, self.openings, max_faces, partial)
         passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(self.windows))
