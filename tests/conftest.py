@@ -326,10 +326,10 @@ class Node:
     @classmethod
     def of_page(cls, scenes=()):
         """Return one with the modules of the teaching page, which also know the laws of scenes."""
+        from povgen.inputs.pieces import PIECES
         from povgen.liveview import scripts
         from povgen.page import page
         from povgen.scene.laws import to_live
-        from povgen.scene.pieces import PIECES
 
         return cls(page.data({name: name for name in PIECES}), scripts.script(*MODULES, laws=to_live(scenes)))
 

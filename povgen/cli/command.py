@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from povgen.errors import InputError
-from povgen.scene import mesh
+from povgen.inputs import mesh
 from povgen.scene.scenes import SCENES, Scene
 from povgen.settings import Rendering, Sampling
 from povgen.sheets import PAPER, PARAMETERS, USED_BY

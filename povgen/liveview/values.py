@@ -4,9 +4,9 @@ import base64
 from typing import Any
 
 from povgen.errors import InputError
+from povgen.inputs.fields import rgb
+from povgen.inputs.pictures import Picture, as_png
 from povgen.scene import shader
-from povgen.scene.fields import rgb
-from povgen.scene.pictures import Picture, as_png
 from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene
 from povgen.scene.survey import max_trace_level
 from povgen.sheets.parameters import design_index

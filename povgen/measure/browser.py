@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from povgen import remedies
 from povgen.errors import InputError
 from povgen.files import temporary_folder
+from povgen.inputs.hdr import encoded
 from povgen.liveview.values import values
 from povgen.liveview.view import html
-from povgen.scene.hdr import encoded
 from povgen.scene.scenes import Scene
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError
+from povgen.objects.sheet_fields import as_table
 from povgen.rendering.results import results
 from povgen.scene.scenes import Scene
-from povgen.scene.windows import as_table
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 

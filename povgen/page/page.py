@@ -13,6 +13,7 @@ from urllib.parse import quote
 from povgen import limits
 from povgen.errors import InputError
 from povgen.files import checked_output, save
+from povgen.inputs.pieces import PIECES, Piece, PieceFile, radius
 from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
@@ -22,7 +23,6 @@ from povgen.record import check_unasked
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.pieces import PIECES, Piece, PieceFile, radius
 from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres, input_files
 from povgen.scene.scenes import pieces as pieces_of
 from povgen.scene.sdl import to_html

@@ -19,9 +19,9 @@ from urllib.parse import urlsplit
 from povgen import remedies
 from povgen.errors import InputError, PovrayError, TransientError
 from povgen.files import temporary_folder
+from povgen.inputs import pictures
 from povgen.rendering import gl_runner, povray
 from povgen.rendering.frames import drawn_by
-from povgen.scene import pictures
 from povgen.settings import Rendering
 from povgen.version import __version__
 

@@ -26,8 +26,8 @@ from PIL.Image import fromarray
 from PIL.PngImagePlugin import PngImageFile
 
 from povgen import stopping
+from povgen.inputs import hdr
 from povgen.rendering.light import packed
-from povgen.scene import hdr
 
 # A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
 TILE = 1024  # pixels, a power of 2: the side of such a square

@@ -16,8 +16,8 @@ from typing import Any
 
 from povgen import remedies, stopping
 from povgen.errors import InputError, PovrayError, TransientError, one_line
+from povgen.inputs import pictures
 from povgen.rendering.parallel import cores, end, python, tried
-from povgen.scene import pictures
 from povgen.settings import Rendering
 
 SCENE = "scene.json"

@@ -10,8 +10,8 @@ from PIL import Image
 
 from povgen import remedies
 from povgen.errors import InputError
-from povgen.scene import hdr
-from povgen.scene.hdr import Light
+from povgen.inputs import hdr
+from povgen.inputs.hdr import Light
 
 Picture = NDArray[np.uint8]
 

@@ -24,10 +24,10 @@ import platformdirs
 
 from povgen import files, remedies, stopping
 from povgen.errors import PovrayError, TransientError, one_line, shown
+from povgen.inputs import pictures
+from povgen.inputs.pieces import PieceFile
 from povgen.rendering import light, sandbox
 from povgen.rendering.parallel import tried
-from povgen.scene import pictures
-from povgen.scene.pieces import PieceFile
 from povgen.scene.sdl import origin_of
 from povgen.settings import Rendering
 

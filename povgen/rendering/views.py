@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
+from povgen.inputs.hdr import encoded
 from povgen.rendering.light import Picture, linear
-from povgen.scene.hdr import encoded
 from povgen.scene.scenes import SCENES, Scene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError, PovrayError
 from povgen.files import temporary_folder
+from povgen.inputs.pieces import FILE_RADIUS, PIECES, PieceFile
 from povgen.progress import bar
 from povgen.rendering import cache, povray
 from povgen.rendering.parallel import default_workers, thread_pool
-from povgen.scene.pieces import FILE_RADIUS, PIECES, PieceFile
 from povgen.scene.sdl import to_crossings
 from povgen.settings import Rendering
 

@@ -14,17 +14,16 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field
 
 from povgen import limits
+from povgen.inputs import pictures
+from povgen.inputs.fields import PictureFile, Point
+from povgen.objects.sheet_fields import ParametersOfSheets, SheetName
 from povgen.optics import apparent
 from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
 from povgen.optics.rays import Opening
-from povgen.scene import pictures
-from povgen.scene.fields import PictureFile, Point
 from povgen.scene.windows import (
     WINDOW,
-    ParametersOfSheets,
     Placed,
-    SheetName,
     Window,
     Windows,
     as_windows,

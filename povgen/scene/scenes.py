@@ -16,13 +16,25 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, at_least, input_errors, one_line, shown
+from povgen.inputs import pictures
+from povgen.inputs.fields import (
+    Z1,
+    Aside,
+    Colour,
+    OneOrMore,
+    PictureFile,
+    PictureSize,
+    PieceValue,
+    Point,
+    as_tuple,
+    rgb,
+)
+from povgen.inputs.pictures import Picture
+from povgen.inputs.pieces import PIECES, PieceFile, radius
 from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot, trace_windows
 from povgen.optics.trace import End
 from povgen.record import Record, in_use, info
-from povgen.scene import camera, checks, pictures
-from povgen.scene.fields import Z1, Aside, Colour, OneOrMore, PictureFile, PictureSize, PieceValue, Point, as_tuple, rgb
-from povgen.scene.pictures import Picture
-from povgen.scene.pieces import PIECES, PieceFile, radius
+from povgen.scene import camera, checks
 from povgen.scene.predictions import Predicted
 from povgen.scene.windows import Window
 from povgen.sheets.profile import ProfileFile

@@ -18,11 +18,11 @@ from jinja2.bccache import Bucket
 from povgen import limits
 from povgen.errors import InputError
 from povgen.files import own_folder
+from povgen.inputs.mesh import TALLEST
+from povgen.inputs.pieces import FILE_RADIUS, PieceFile
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene import cells, laws, materials
-from povgen.scene.mesh import TALLEST
-from povgen.scene.pieces import FILE_RADIUS, PieceFile
 from povgen.scene.scenes import PEDESTAL_EDGE, Scene, checked_scene
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from math import cos, radians, sin
 from typing import Any
 
+from povgen.inputs.pictures import Picture
 from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene.laws import Text, to_live
 from povgen.scene.model import EyeAndWindows
-from povgen.scene.pictures import Picture
 from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.scene.windows import Window

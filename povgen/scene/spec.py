@@ -14,8 +14,8 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
-from povgen.scene.pictures import Picture
-from povgen.scene.pieces import PIECES, PieceFile, from_folder
+from povgen.inputs.pictures import Picture
+from povgen.inputs.pieces import PIECES, PieceFile, from_folder
 from povgen.scene.scenes import SCENES, Scene
 from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, replaced_by, window_table
 from povgen.settings import Note, preset_of

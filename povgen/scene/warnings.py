@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from povgen.inputs.pieces import PieceFile, without_comments
 from povgen.limits import (
     MAX_CONDITION,
     MAX_ERROR,
@@ -14,7 +15,6 @@ from povgen.limits import (
 )
 from povgen.optics import uncertainty
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
-from povgen.scene.pieces import PieceFile, without_comments
 from povgen.scene.scenes import Scene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering

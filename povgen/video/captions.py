@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from povgen.inputs.pieces import PIECES
 from povgen.optics import equations
-from povgen.scene.pieces import PIECES
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
 from povgen.scene.scenes import Scene, used_parameters
 from povgen.scene.spec import swept_numbers

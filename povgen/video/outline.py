@@ -9,8 +9,8 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
+from povgen.inputs.pieces import PieceFile
 from povgen.rendering.volumes import GRID, MOST, Volume, volumes
-from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import Chess
 
 FINEST = 16  # points of an outline between two voxels, at most

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from povgen.inputs.fields import MAX_ASIDE
 from povgen.optics import apparent
-from povgen.scene.fields import MAX_ASIDE
 from povgen.scene.scenes import Chess, Scene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 

@@ -15,13 +15,13 @@ from PIL.Image import Image, fromarray
 
 from povgen import files
 from povgen.errors import InputError, TransientError, shown
+from povgen.inputs.pieces import PieceFile
 from povgen.progress import bar, parts
 from povgen.record import MAX_FRAMES, MAX_PICTURES, PICTURES, Record, differing, in_png, shell_command
 from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
-from povgen.scene.pieces import PieceFile
 from povgen.scene.scenes import (
     Scene,
     checked_scene,

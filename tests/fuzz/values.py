@@ -14,7 +14,7 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 from povgen.cli import app
-from povgen.scene.pieces import PIECES
+from povgen.inputs.pieces import PIECES
 from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering
 from povgen.sheets import OTHER

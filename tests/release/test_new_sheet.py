@@ -37,7 +37,7 @@ from povgen import Chess
 from povgen.liveview import scripts
 from povgen.page import page
 from povgen.scene.laws import to_live
-from povgen.scene.pieces import PIECES
+from povgen.inputs.pieces import PIECES
 from povgen.scene.sdl import to_html
 from povgen.video import fonts
 data, laws = page.data({name: name for name in PIECES}), to_live()

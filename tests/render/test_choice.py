@@ -12,13 +12,13 @@ from references import KEPT, converged, rendered
 
 from povgen import Chess, Rendering, Spheres, cheapest, render, to_pov
 from povgen.errors import InputError, PovrayError
+from povgen.inputs.pieces import PieceFile
 from povgen.measure import speed
 from povgen.measure.probes import APERTURE, VIEW, Positions
 from povgen.measure.targets import located
 from povgen.optics import equations
 from povgen.rendering import gl_runner
 from povgen.rendering.auto import GL_PRISM_SAMPLINGS, IDEAL_SAMPLINGS, PRISM_SAMPLINGS, RENDERERS, Tolerance, choose
-from povgen.scene.pieces import PieceFile
 from povgen.settings import QUALITIES
 
 pytestmark = pytest.mark.xdist_group("choice")  # in one process, which renders the costly pictures once

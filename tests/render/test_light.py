@@ -11,9 +11,9 @@ from conftest import povgen, refused
 from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Spheres, info, movie, render, save, show
+from povgen.inputs import hdr
 from povgen.rendering import cache, light, povray
 from povgen.rendering.frames import is_whole, render_all
-from povgen.scene import hdr
 
 SCENE = Spheres(sheet="ideal", view=1.5, z1=(3, 6))  # with highlights
 SIZE = (96, 72)

@@ -9,7 +9,7 @@ import pytest
 from conftest import refusal
 
 from povgen import Chess, InputError, MovieSpec
-from povgen.scene import mesh, mesh_reader, pieces, readers
+from povgen.inputs import mesh, mesh_reader, pieces, readers
 from povgen.scene.warnings import warnings
 
 BOM = b"\xef\xbb\xbf"

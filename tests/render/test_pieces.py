@@ -11,10 +11,10 @@ from PIL import Image
 
 from povgen import Chess, movie, render, to_pov
 from povgen.errors import PovrayError
+from povgen.inputs.pieces import PIECES
 from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import equations
 from povgen.rendering import volumes
-from povgen.scene.pieces import PIECES
 from povgen.scene.spec import MovieSpec
 from povgen.video import outline, overlay
 

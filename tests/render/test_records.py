@@ -15,9 +15,9 @@ from PIL import Image
 from povgen import Chess, InputError, Rendering, Scene, Spheres, info, movie, render, save
 from povgen import record as records
 from povgen.cli import options as cli_options
+from povgen.inputs import mesh, pictures, pieces
 from povgen.liveview.values import values as live_values
 from povgen.rendering import povray
-from povgen.scene import mesh, pictures, pieces
 from povgen.scene import scenes as scene_module
 from povgen.version import __version__
 from povgen.video import still

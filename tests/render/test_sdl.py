@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
+from povgen.inputs.pieces import PIECES
 from povgen.measure.probes import Directions, PiecePositions, Positions
 from povgen.rendering import povray
 from povgen.rendering.frames import read_png
 from povgen.scene import materials, sdl
-from povgen.scene.pieces import PIECES
 from povgen.scene.sdl import TEMPLATES, Mosaic
 
 SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror", "lenticular", "profile")

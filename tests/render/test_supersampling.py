@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from povgen import InputError, Rendering, Spheres, settings, to_pov
+from povgen.inputs import hdr
 from povgen.rendering import cache, light, povray
-from povgen.scene import hdr
 
 SIZE = (96, 72)
 

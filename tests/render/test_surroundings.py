@@ -15,10 +15,10 @@ from conftest import picture, povgen, refused, some
 from PIL import Image, ImageCms
 
 from povgen import Chess, InputError, MovieSpec, Spheres, remedies, render, save, to_pov
+from povgen.inputs import hdr, pictures
+from povgen.inputs.picture_reader import colours, exr
 from povgen.liveview.values import values as live_values
 from povgen.rendering.light import linear
-from povgen.scene import hdr, pictures
-from povgen.scene.picture_reader import colours, exr
 from povgen.scene.scenes import input_files
 
 SIZE = (160, 120)
@@ -511,7 +511,7 @@ def test_a_picture_is_decoded_within_limits(limit, tmp_path, monkeypatch):
     jpeg = file_of(noise, "jpeg", progressive=True, quality=5)
     last = jpeg.rfind(b"\xff\xda")
     slow = jpeg[:-2] + jpeg[last:-2] * 2000 + jpeg[-2:]
-    code = f"from povgen.scene import picture_reader\npicture_reader.{limit}\npicture_reader.main()"
+    code = f"from povgen.inputs import picture_reader\npicture_reader.{limit}\npicture_reader.main()"
     done = subprocess.run([sys.executable, "-c", code], input=slow, capture_output=True, timeout=100)
     assert done.returncode or b'"fault"' in done.stdout
     monkeypatch.setattr(sys, "executable", "/bin/false")  # a process that ends without an answer

@@ -10,8 +10,8 @@ import pytest
 from conftest import run_povgen, some
 
 from povgen import InputError, PovrayError
+from povgen.inputs.pieces import PIECES, PieceFile
 from povgen.rendering import cache, povray, volumes
-from povgen.scene.pieces import PIECES, PieceFile
 
 
 def stored(volume):

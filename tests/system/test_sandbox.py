@@ -15,10 +15,10 @@ from conftest import POVGEN, povgen, some
 
 from povgen import Chess, PovrayError, Rendering, render
 from povgen.errors import TransientError
+from povgen.inputs import pictures
+from povgen.inputs.pieces import PieceFile, as_piece
 from povgen.rendering import frames, povray, sandbox
 from povgen.rendering.volumes import volumes
-from povgen.scene import pictures
-from povgen.scene.pieces import PieceFile, as_piece
 
 TINY = Rendering(size=(32, 32), antialias="off", timeout=200)
 HUNGRY = "sphere { 0, 2 pigment { image_map { function 30000, 30000 { x } } } }"  # takes more memory than it may

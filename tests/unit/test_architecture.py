@@ -15,18 +15,12 @@ MODULES = {
     path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path for path in PACKAGE.rglob("*.py")
 }
 # The packages that each package may import. Each may also import the modules in BASE, which import no package.
-LAYERS = {
-    "optics": set(),
-    "sheets": {"optics"},
-    "scene": {"optics", "sheets"},
-    "rendering": {"optics", "sheets", "scene"},
-    "video": {"optics", "sheets", "scene", "rendering"},
-    "liveview": {"optics", "sheets", "scene", "rendering", "video"},
-    "measure": {"optics", "sheets", "scene", "rendering", "video", "liveview"},
-    "page": {"optics", "sheets", "scene", "rendering", "video", "liveview"},
-    "paper": {"optics", "sheets", "scene", "rendering", "video", "measure"},
-    "cli": {"optics", "sheets", "scene", "rendering", "video", "liveview", "measure", "page", "paper"},
-}
+LAYERS = {"optics": set(), "inputs": set()}
+for _name in ("sheets", "objects", "scene", "rendering", "video", "liveview", "measure", "page", "paper", "cli"):
+    LAYERS[_name] = set(LAYERS)
+LAYERS["sheets"] -= {"inputs"}
+LAYERS["page"] -= {"measure"}
+LAYERS["paper"] -= {"liveview", "page"}
 BASE = {"errors", "files", "limits", "progress", "record", "remedies", "settings", "stopping", "validation", "version"}
 TOP = {"__init__", "__main__"}  # they may import everything
 
@@ -91,14 +85,14 @@ def test_there_is_no_circle_of_imports():
         ("jinja2", {"scene.sdl"}),
         (
             "subprocess",
-            {"rendering.povray", "rendering.gl_runner", "rendering.parallel", "scene.readers", "video.encode"},
+            {"rendering.povray", "rendering.gl_runner", "rendering.parallel", "inputs.readers", "video.encode"},
         ),
         ("imageio", {"video.encode"}),
-        ("PIL", {"rendering", "scene.fields", "scene.picture_reader", "scene.pictures", "video"}),
+        ("PIL", {"rendering", "inputs.fields", "inputs.picture_reader", "inputs.pictures", "video"}),
         ("matplotlib", {"measure.plotting"}),
         ("flip_evaluator", {"rendering.flip"}),
         ("playwright", {"measure.browser"}),
-        ("OpenEXR", {"rendering.light", "scene.picture_reader"}),
+        ("OpenEXR", {"rendering.light", "inputs.picture_reader"}),
         ("moderngl", {"rendering.gl"}),
         ("click", {"cli"}),
         ("rich", {"cli", "progress"}),

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from conftest import PROJECT
 
+from povgen.inputs.pieces import PIECES
 from povgen.liveview.languages import FOLDER, tables
 from povgen.page import page
 from povgen.page.page import ALL_KINDS, KEPT
-from povgen.scene.pieces import PIECES
 
 TABLES = tables(ALL_KINDS)
 SCRIPTS = {

@@ -3,8 +3,8 @@
 import pytest
 
 from povgen import Chess, InputError, to_pov
+from povgen.inputs.pieces import PieceFile, declared
 from povgen.scene import sdl
-from povgen.scene.pieces import PieceFile, declared
 
 PIECE = "#declare Piece = sphere { 0.5*y, 0.5 }\n"
 

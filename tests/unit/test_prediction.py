@@ -3,11 +3,11 @@
 import pytest
 
 from povgen import Chess, Spheres, limits
+from povgen.inputs.pieces import PieceFile
 from povgen.measure import probes
 from povgen.measure.measured import px
 from povgen.optics.trace import End
 from povgen.scene import camera, survey, warnings
-from povgen.scene.pieces import PieceFile
 from povgen.scene.quantities import traced_image
 from povgen.settings import Rendering
 

@@ -11,11 +11,12 @@ import pytest
 from conftest import refusal
 
 from povgen import Chess, InputError, Spheres, results, stopping
+from povgen.inputs import mesh
 from povgen.optics import equations, series
 from povgen.rendering import parallel, survey_cache
 from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
-from povgen.scene import mesh, survey
+from povgen.scene import survey
 
 SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
 

@@ -10,8 +10,8 @@ from povgen.cli.command import Command, fields
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.files import checked_output, save
+from povgen.inputs.pictures import used
 from povgen.progress import say
-from povgen.scene.pictures import used
 from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets
 

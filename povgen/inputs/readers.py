@@ -1,4 +1,4 @@
-"""Reads a user's files in processes of their own, whose memory and time are limited: `python -m povgen.scene.MODULE`.
+"""Reads a user's files in processes of their own, whose memory and time are limited: `python -m povgen.inputs.MODULE`.
 
 MODULE is mesh_reader or picture_reader. The file's bytes come by standard input. On standard output, MARK is followed
 by a line of JSON and by bytes. The line can have the file's `fault` alone. If the exit status is not 0, there is no
@@ -26,7 +26,7 @@ def run(module: str, what: str, data: bytes, *arguments: str) -> tuple[dict[str,
     """
     path = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path), "OPENBLAS_NUM_THREADS": "1"}
-    command = [sys.executable, "-P", "-m", f"povgen.scene.{module}", *arguments]
+    command = [sys.executable, "-P", "-m", f"povgen.inputs.{module}", *arguments]
     try:
         done = subprocess.run(
             command, input=data, capture_output=True, timeout=PATIENCE, cwd="/", env=environment, check=True

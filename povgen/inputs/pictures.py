@@ -20,9 +20,9 @@ from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import read_bytes
+from povgen.inputs import hdr, readers
+from povgen.inputs.picture_reader import FORMATS
 from povgen.record import held
-from povgen.scene import hdr, readers
-from povgen.scene.picture_reader import FORMATS
 
 MAX_BYTES = 10**8  # of a file
 WIDTH = 2.0  # of a copy of the floor's picture, tiles

@@ -1,4 +1,4 @@
-"""Decodes a user's picture, in a process of its own (`readers`): `python -m povgen.scene.picture_reader`.
+"""Decodes a user's picture, in a process of its own (`readers`): `python -m povgen.inputs.picture_reader`.
 
 The answer is the file for renderers, its name, its size and its mean colour.
 
@@ -17,7 +17,7 @@ from PIL import Image, ImageCms, ImageOps
 
 from povgen import remedies
 from povgen.errors import one_line, shown
-from povgen.scene import hdr, readers
+from povgen.inputs import hdr, readers
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF")
 MAX_SIZE = (8192, 4096)  # pixels

@@ -1,4 +1,4 @@
-"""Reads a mesh, in a process of its own (`readers`): `python -m povgen.scene.mesh_reader KIND`.
+"""Reads a mesh, in a process of its own (`readers`): `python -m povgen.inputs.mesh_reader KIND`.
 
 KIND is stl, obj, ply or glb. The answer is what `read` returns.
 
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from povgen.scene import readers
+from povgen.inputs import readers
 
 MAX_MEMORY = 3 << 30  # bytes of address space
 MAX_TIME = 60  # seconds of CPU time

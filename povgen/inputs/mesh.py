@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import at_most
-from povgen.scene import readers
+from povgen.inputs import readers
 
 NAME = re.compile(r"(.*\.(stl|obj|ply|glb))((?:,[a-z]+=[^,=]*)*)", re.IGNORECASE | re.DOTALL)
 OWN = re.compile(

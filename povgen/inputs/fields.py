@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 from PIL import ImageColor
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 
-from povgen.scene.pictures import Picture
-from povgen.scene.pieces import Piece, PieceFile, as_piece
+from povgen.inputs.pictures import Picture
+from povgen.inputs.pieces import Piece, PieceFile, as_piece
 from povgen.settings import as_size
 from povgen.validation import Model, as_pair
 

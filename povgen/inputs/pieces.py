@@ -11,8 +11,8 @@ from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 
 from povgen.files import read_bytes, read_text
+from povgen.inputs import mesh
 from povgen.record import held
-from povgen.scene import mesh
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}

@@ -1,0 +1,1 @@
+"""What a user gives to scenes: files of pieces, meshes and pictures, and the types of the scenes' parameters."""
