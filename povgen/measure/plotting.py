@@ -7,10 +7,9 @@ from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
 
-from povgen import remedies
+from povgen import fonts, remedies
 from povgen.errors import InputError
 from povgen.files import save
-from povgen.video import fonts
 
 try:
     import matplotlib

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from povgen import limits
+from povgen import fonts, limits
 from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.inputs.pieces import PIECES, Piece, PieceFile, radius
@@ -31,7 +31,7 @@ from povgen.settings import Rendering
 from povgen.sheets import OTHER, PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.sheet import Parameter, Sheet
 from povgen.validation import as_flag
-from povgen.video import build, fonts
+from povgen.video import build
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
 # the kinds of sheets that the page shows beyond the paper's: ideal ones, and sheets of lenses

@@ -6,7 +6,7 @@ from typing import Any
 
 from PIL import ImageDraw, ImageFont
 
-from povgen.video import fonts
+from povgen import fonts
 
 DARK = (20, 20, 20)  # red, green, blue of letters with a white edge
 STRIP = (24, 26, 30)  # red, green, blue behind text

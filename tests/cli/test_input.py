@@ -14,7 +14,7 @@ import pytest
 from conftest import PROJECT, picture, povgen, refused, run_povgen
 from PIL import Image
 
-from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, info, movie, remedies, to_pov
+from povgen import Chess, InputError, MovieSpec, Rendering, Spheres, fonts, info, movie, remedies, to_pov
 from povgen.errors import PovrayError
 from povgen.liveview.view import Live
 from povgen.measure import charts
@@ -24,7 +24,7 @@ from povgen.rendering import auto, povray
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MOVIES
 from povgen.sheets import PARAMETERS, SHEETS, USED_BY
-from povgen.video import build, fonts, still
+from povgen.video import build, still
 
 SPEC = """
 title = "A movie"

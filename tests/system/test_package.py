@@ -45,9 +45,9 @@ def test_both_are_small_and_hold_what_they_should(built):
     assert {
         "povgen/templates/floor.pov.j2",
         "povgen/movies/vary-z1.toml",
-        "povgen/video/NotoSans.ttf",
-        "povgen/video/NotoSans-Bold.ttf",
-        "povgen/video/Symbols.otf",
+        "povgen/fonts/NotoSans.ttf",
+        "povgen/fonts/NotoSans-Bold.ttf",
+        "povgen/fonts/Symbols.otf",
     } <= names
     assert "povgen/rendering/volumes.xz" in names
     assert not [name for name in names if not name.startswith(("povgen/", "povgen-"))]
@@ -63,7 +63,7 @@ def test_the_readme_on_an_index_has_absolute_links_to_files_of_this_version(meta
 
 def test_metadata_are_complete(metadata):
     assert metadata["License-Expression"] == "MIT AND OFL-1.1"
-    assert metadata.get_all("License-File") == ["LICENSE", "povgen/video/Fonts.txt"]
+    assert metadata.get_all("License-File") == ["LICENSE", "povgen/fonts/Fonts.txt"]
     least = int(re.search(r"3\.(\d+)", metadata["Requires-Python"])[1])
     pythons = [text for text in metadata.get_all("Classifier") if "Python :: 3." in text]
     assert pythons == [f"Programming Language :: Python :: 3.{minor}" for minor in range(least, least + len(pythons))]

@@ -15,7 +15,7 @@ MODULES = {
     path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path for path in PACKAGE.rglob("*.py")
 }
 # The packages that each package may import. Each may also import the modules in BASE, which import no package.
-LAYERS = {"optics": set(), "inputs": set()}
+LAYERS = {"fonts": set(), "optics": set(), "inputs": set()}
 for _name in ("sheets", "objects", "scene", "rendering", "video", "liveview", "measure", "page", "paper", "cli"):
     LAYERS[_name] = set(LAYERS)
 LAYERS["sheets"] -= {"inputs"}

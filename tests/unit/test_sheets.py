@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from povgen import Bundle, Chess, InputError
+from povgen.objects import sheet_fields
 from povgen.optics.trace import End
-from povgen.scene import windows
 from povgen.scene.laws import to_pov
 from povgen.sheets import IDEAL, OTHER, PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.law_grammar import Law
@@ -212,7 +212,7 @@ def test_kinds_that_share_a_parameter_agree():
 
 
 def test_type_checkers_know_every_parameter():
-    tree = ast.parse(Path(windows.__file__).read_text("utf-8"))
+    tree = ast.parse(Path(sheet_fields.__file__).read_text("utf-8"))
     [declared] = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and node.name == "_Parameters"]
     types = {"number": "float", "whole number": "int", "direction": "tuple", "table": "dict"}
     assert {each.target.id: ast.unparse(each.annotation).split(" | ")[0].split("[")[0] for each in declared.body} == {
