@@ -15,7 +15,7 @@ from povgen.record import PICTURES, Record, check_unasked
 from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
 from povgen.rendering.frames import drawn_by
-from povgen.scene.scenes import SCENES, Scene, recorded
+from povgen.scene.scene import SCENES, Scene, recorded
 from povgen.settings import Rendering
 from povgen.version import __version__
 

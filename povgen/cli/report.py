@@ -7,7 +7,8 @@ from typing import Any
 from povgen.progress import say
 from povgen.rendering import survey_cache
 from povgen.rendering.views import views
-from povgen.scene.scenes import Scene, used_parameters
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import used_parameters
 from povgen.scene.warnings import warnings
 from povgen.settings import Rendering
 from povgen.sheets import SHEETS, USED_BY

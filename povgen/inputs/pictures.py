@@ -114,6 +114,14 @@ def floor(value: object) -> Picture | str:
     return picture
 
 
+def card(value: object) -> Picture:
+    """Return the picture in a file. Raises ValueError for a file that is no picture, and for a picture of light."""
+    found = value if isinstance(value, Picture) else _picture(_path(value), "", WIDTH)
+    if found.is_light:
+        raise ValueError(f"should be a picture of colours: {', '.join(FORMATS)}")
+    return found
+
+
 def _path(value: object) -> str:
     if not isinstance(value, (str, Path)):
         raise ValueError("should be a picture's file")

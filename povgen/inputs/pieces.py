@@ -16,6 +16,7 @@ from povgen.record import held
 
 # Radius of each piece's foot, tiles. The foot must not touch the window frame.
 PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
+HEIGHTS = {"pawn": 1.1, "rook": 1.26, "knight": 1.52, "bishop": 1.58, "queen": 1.78, "king": 1.96}  # tiles
 FILE_RADIUS = 0.5  # tiles; a piece from a file must stay within this distance of its axis
 MAX_BYTES = 2**20  # of a file
 

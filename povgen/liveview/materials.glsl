@@ -1,19 +1,6 @@
 // Materials, sky and lights. Numbers, colour maps and formulas are those of the .pov text: povgen/scene/materials.py. Colours
 // are linear light, 0 to 1. Points are in tiles.
 
-struct Finish {
-  vec3 pigment;
-  float ambient, diffuse, specular, roughness;
-  bool metallic;
-};
-
-#if PIECES > 0
-uniform vec3 pieceColour[PIECES];  // sRGB, 0 to 1
-#endif
-#if SPHERES > 0
-uniform int sphereCount;  // at most SPHERES; the radii of the others are 0
-#endif
-
 // sRGB, as POV-Ray's `srgb`, to linear light.
 vec3 srgb(vec3 c) {
   return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
@@ -54,54 +41,37 @@ Finish FloorTexture(vec3 p) {
   return Finish(mix(mean, pigment, share), {{ materials.FINISHES.floor | join(", ") }}, false);
 }
 
-// ---- frame.pov.j2 ----
-Finish FrameTexture(vec3 p) {
+// ---- frame.pov.j2; p is in the window's coordinates ----
+Finish FrameTexture(int w, vec3 p) {
+  if (!windowFramed[w]) return Finish(vec3(0), 0.0, 0.0, 0.0, 1.0, false);
   // each side's texture is that of the upper side, turned
-  vec2 q = abs(p.x) > abs(p.y) ? (p.x < 0.0 ? vec2(p.y, -p.x) : vec2(-p.y, p.x)) : (p.y > 0.0 ? p.xy : -p.xy);
-  float beyond = q.y - window / 2.0;
-  float z = p.z - windowZ[0];  // from the middle of the nearest window
-  bool further = false;
-  for (int w = 1; w < WINDOWS; w++) {
-    if (abs(p.z - windowZ[w]) < abs(z)) {
-      z = p.z - windowZ[w];
-      further = true;
-    }
-  }
-  if (beyond > 0.0 && beyond < 0.2 * frameRim && z < 1e-4 - frameDepth / 2.0) {
+  vec2 beside = abs(p.xy) - windowHalf[w];
+  vec2 q = beside.x > beside.y ? (p.x < 0.0 ? vec2(p.y, -p.x) : vec2(-p.y, p.x)) : (p.y > 0.0 ? p.xy : -p.xy);
+  float beyond = max(beside.x, beside.y);
+  if (windowRound[w]) beyond = length(p.xy) * (1.0 - 1.0 / length(p.xy / windowHalf[w]));
+  if (beyond > 0.0 && beyond < 0.2 * frameRim && p.z < 1e-4 - windowDepth[w] / 2.0) {
     return Finish(vec3({{ materials.LIP }}), {{ materials.FINISHES.lip | join(", ") }}, true);
   }
-  float fibres = Fibres(q.x, q.y, z);
-  return Finish(further ? FurtherFrame(fibres) : Frame(fibres), {{ materials.FINISHES.frame | join(", ") }}, false);
+  float fibres = Fibres(q.x, q.y, p.z);
+  return Finish(w > 0 ? FurtherFrame(fibres) : Frame(fibres), {{ materials.FINISHES.frame | join(", ") }}, false);
 }
 
-// ---- pedestal.pov.j2; the point is relative to the middle of the pedestal's foot ----
+// ---- pedestal.pov.j2; p is from the middle of the foot ----
 Finish PlinthTexture(vec3 p) {
   return Finish(Plinth(PlinthVein(p.x, p.y, p.z)), {{ materials.FINISHES.plinth | join(", ") }}, false);
 }
 
-// ---- piece_wood.pov.j2; the point is relative to the middle of the piece's foot ----
+// ---- piece_wood.pov.j2; p is from the middle of the foot ----
 Finish Wood(vec3 color, vec3 p) {
   float value = Rings(p.x, p.y, p.z);
   vec3 pigment = {{ materials.WOOD | interpolated("srgb(color * vec3({}))") }};
   return Finish(pigment, {{ materials.FINISHES.wood | join(", ") }}, false);
 }
 
-Finish finishOf(int what, vec3 p) {
-  if (what == FLOOR) return FloorTexture(p);
-#if PIECES > 0
-  if (what >= OBJECT + PIECES) {
-    vec3 foot = pieceFoot[what - OBJECT - PIECES];
-    return PlinthTexture(p - vec3(foot.x, floorY, foot.z));
-  }
-  if (what >= OBJECT) return Wood(pieceColour[what - OBJECT], p - pieceFoot[what - OBJECT]);
-#endif
-#if SPHERES > 0
-  if (what >= OBJECT) {
-    return Finish(SphereColor(float(what - OBJECT) / float(sphereCount)), {{ materials.FINISHES.sphere | join(", ") }}, false);
-  }
-#endif
-  return FrameTexture(p);
-}
+// ---- povgen/objects/ ----
+const vec3 CARD_BACK = vec3({{ materials.CARD_BACK }});
+Finish PlainTexture(vec3 pigment) { return Finish(pigment, {{ materials.FINISHES.sphere | join(", ") }}, false); }
+Finish CardTexture(vec3 pigment) { return Finish(pigment, {{ materials.FINISHES.card | join(", ") | floats }}, false); }
 
 // ---- light.pov.j2 ----
 // Each of a pixel's rays asks for the shadow of one of the sun's lights; those at the ends of the row count half.

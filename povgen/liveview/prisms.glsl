@@ -73,7 +73,7 @@ void meetEdge(int number, bool glass, vec2 o, vec2 d, inout float t, inout int f
 uniform int maxFaces;           // as POV-Ray's max_trace_level: a ray that meets as many is dark
 
 struct Passage {
-  vec3 position;   // where the ray leaves the sheets, or meets the window frame, tiles
+  vec3 position;   // where the ray leaves the sheets, or meets the window's edge, in the window's coordinates, tiles
   vec3 direction;  // unit vector
   int end;
   int faces;       // how many faces it has met
@@ -81,16 +81,15 @@ struct Passage {
 
 mat3 axesOf(int sheet) { return mat3(sheetAxes[3 * sheet], sheetAxes[3 * sheet + 1], sheetAxes[3 * sheet + 2]); }
 
-// Follow a ray through the sheets of a window. It comes from outside. `ray.position` is any point of its line.
+// Follow a ray through the sheets of a window. It comes from outside. `ray.position` is any point of its line. Position and
+// direction are in the window's coordinates.
 Passage passage(Passage ray, int number) {
   const float FAR = 1e30;
   int sheets = sheetCounts[number];
   float pitch = pitches[number], firstBase = firstBases[number], prismHeight = prismHeights[number];
   float prismHalf = prismHalves[number], glassIndex = 1.0;
   vec2 slant = vec2(1, 0);
-  float halfWindow = window / 2.0 / pitch;
-  vec3 middle = vec3(0, 0, windowZ[number]);
-  vec3 p = (ray.position - middle) / pitch;  // the window's axes while the ray is between sheets; in a sheet its own, with u for y
+  vec3 p = ray.position / pitch;  // the window's axes while the ray is between sheets; in a sheet its own, with u for y
   vec3 d = ray.direction;
   int at = d.z > 0.0 ? 0 : sheets - 1;
   float cell = 0.0;
@@ -117,8 +116,7 @@ Passage passage(Passage ray, int number) {
       p = p * axes;
       d = d * axes;
       p += d * ((surface - p.z) / d.z);
-      vec2 place = abs((axes * p).xy);
-      if (max(place.x, place.y) > halfWindow) {
+      if (!isInWindow(number, pitch * (axes * p).xy)) {
         ray.end = FRAME;
         break;
       }
@@ -174,13 +172,12 @@ Passage passage(Passage ray, int number) {
     p += t * d;
     float y = p.y + cell + firstBase;
     vec3 place = axes * vec3(turn.x * p.x - turn.y * y, turn.y * p.x + turn.x * y, p.z);
-    vec2 beyond = abs(place.xy) - halfWindow;
-    if (face == 0 || max(beyond.x, beyond.y) > 0.0) {
+    bool outside = !isInWindow(number, pitch * place.xy);
+    if (face == 0 || outside) {
       d = axes * vec3(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y, d.z);
       p = place;
-      if (max(beyond.x, beyond.y) > 0.0) {
-        vec2 back = max(beyond / max(abs(d.xy), 1e-9), 0.0);
-        p -= d * min(max(back.x, back.y), t);
+      if (outside) {
+        p -= d * min(beyondWindow(number, pitch * p.xy, d.xy) / pitch, t);
         ray.end = FRAME;
       }
       p.z += sheetCentres[2 * number + at] / pitch;
@@ -221,7 +218,7 @@ Passage passage(Passage ray, int number) {
     }
     if (ray.faces >= maxFaces) break;
   }
-  ray.position = p * pitch + middle;
+  ray.position = p * pitch;
   ray.direction = normalize(d);
   return ray;
 }

@@ -7,7 +7,8 @@ from povgen.errors import InputError
 from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import Picture, as_png
 from povgen.scene import shader
-from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import PEDESTAL_EDGE, Chess
 from povgen.scene.survey import max_trace_level
 from povgen.sheets.parameters import design_index
 from povgen.sheets.profile import ProfileSheets

@@ -1,104 +1,97 @@
-// What the eye sees in a pixel: one ray from the eye through the sheets to what stands behind them, and its colour.
+// What the eye sees in a pixel: one ray from the eye through the windows to what it ends on, and its colour.
 
-uniform int simulated;       // how many windows are ideal sheets: the first ones
 uniform vec3 eye;
-uniform float viewHeight;    // height of the picture in the plane z = 0, tiles
+uniform vec3 viewMiddle, viewRight, viewUp;  // of the rectangle that the picture shows: its middle, and along its sides
+uniform float viewHeight;    // height of this rectangle, tiles
 uniform vec2 size;           // of the picture, pixels
 uniform vec2 jitter;         // the ray's place in its pixel, from the centre, pixels
 
 struct Seen {
-  vec3 origin, direction;  // of the ray that leaves the sheets; without sheets, of the eye's ray
+  vec3 origin, direction;  // of the ray that leaves the last window; if it meets none, of the eye's ray
   vec3 eyeDirection;       // of the eye's ray
   Hit hit;                 // what this ray meets first
-  bool lost;               // the ray has met too many faces
-  Passage passage;         // through the prisms
+  bool lost;               // the ray has met too many faces or windows, or a sheet that lets no light pass
+  Passage passage;         // through the last window of prisms
 };
 
-// Where a pixel's ray crosses the plane z = 0.
+// Where a pixel's ray crosses the plane of the picture.
 vec3 placeOf(vec2 pixel) {
-  return vec3((pixel + jitter - size / 2.0) / size.y * viewHeight, 0);
+  vec2 at = (pixel + jitter - size / 2.0) / size.y * viewHeight;
+  return viewMiddle + at.x * viewRight + at.y * viewUp;
 }
 
-bool isInWindow(vec2 place) {
-  return max(abs(place.x), abs(place.y)) < window / 2.0;
-}
-
-// Whether a ray that crosses the middle plane of a window there passes the frame's front opening, and then the opening at z,
-// within the frame.
-bool entersWindow(vec2 place, vec3 d, float z) {
-  vec2 slope = d.xy / d.z;
-  return isInWindow(place - slope * frameDepth / 2.0) && isInWindow(place + slope * z);
-}
-
-// Take an eye's ray, which crosses the first window at `seen.origin`, through all ideal sheets that it meets.
-void passIdealSheets(inout Seen seen) {
-  seen.direction = bent(seen.direction, seen.origin.xy, 0);
-  seen.lost = seen.direction.z < 0.0;
-  for (int w = 1; w < simulated && !seen.lost; w++) {
-    vec3 d = seen.direction;
-    vec2 place = seen.origin.xy + d.xy / d.z * (windowZ[w] - windowZ[w - 1]);
-    if (!isInWindow(seen.origin.xy + d.xy / d.z * frameDepth / 2.0) || !entersWindow(place, d, 0.0)) return;
-    seen.origin = vec3(place, windowZ[w]);
-    seen.direction = bent(d, seen.origin.xy, w);
-    seen.lost = seen.direction.z < 0.0;
-  }
-}
-
-// The window of prisms that a ray meets before anything else; -1: none.
-int windowMet(vec3 o, vec3 d, float before) {
+// The window that a ray meets first, -1: none, and how far away. o is a point of the ray, which starts at t = `start`.
+int windowMet(vec3 o, vec3 d, float start, int last, out float reach) {
   int met = -1;
-  for (int w = simulated; w < WINDOWS; w++) {
-    if (sheetCounts[w] == 0) continue;  // it leaves light as it is
-    float half_ = prismHalves[w] * pitches[w] - sheetCentres[2 * w];  // of the sheets' extent along z
-    float t = (windowZ[w] - sign(d.z) * half_ - o.z) / d.z;
-    if (t > 0.0 && t < before && isInWindow(o.xy + t * d.xy)) {
+  reach = 1e30;
+  for (int w = 0; w < WINDOWS; w++) {
+    if (w == last || kind[w] == -2) continue;  // an empty window leaves light as it is
+    vec3 p = toWindow(w, o - windowPlace[w]), v = toWindow(w, d);
+    float half_ = sheetCounts[w] > 0 ? prismHalves[w] * pitches[w] - sheetCentres[2 * w] : 0.0;  // of the sheets' extent along z
+    float t = (-sign(v.z) * half_ - p.z) / v.z;
+    if (t > start && t < reach && isInWindow(w, p.xy + t * v.xy)) {
       met = w;
-      before = t;
+      reach = t;
     }
   }
   return met;
 }
 
-const int MOST_PASSAGES = 20;  // through windows of prisms; almost every ray has met maxFaces faces before
+const int MOST_WINDOWS = 100;  // that a ray passes; the trace in numpy has the same limit
 
-// What the eye sees at a place in the plane z = 0. Rays to the first window start there, not at the eye: a far eye's distance,
-// in pitches, would have too many digits.
+// What the eye sees at a place in the plane of the picture. A ray to the first window is counted from there, not from the
+// eye: a far eye's distance, in pitches, would have too many digits.
 Seen see(vec3 place) {
   Seen seen;
-  vec3 d = normalize(place - eye);
-  float front = simulated > 0 ? 0.0 : sheetCentres[0] - prismHalves[0] * pitches[0];
-  bool enters = sheetCounts[WINDOWS - 1] + simulated > 0 && entersWindow(place.xy, d, front);
-  seen.origin = enters ? place : eye;
+  vec3 d = normalize(place - eye), o = place;  // a point of the ray
+  float start = -distance(place, eye);         // where the ray starts, from there
+  seen.origin = eye;
   seen.direction = seen.eyeDirection = d;
   seen.lost = false;
   seen.passage = Passage(eye, d, THROUGH, 0);
-  int met = enters && simulated == 0 ? 0 : -1;
-  if (enters && simulated > 0) passIdealSheets(seen);
-  seen.hit = Hit(0.0, SKY, vec3(0));
-#if WINDOWS > 1
-  for (int k = 0; k < MOST_PASSAGES; k++)  // light can be reflected between windows
-#endif
-  {
-    if (met >= 0) {
-      seen.passage.position = seen.origin;
-      seen.passage.direction = seen.direction;
-      seen.passage = passage(seen.passage, met);
-      seen.origin = seen.passage.position;
-      seen.direction = seen.passage.direction;
+  int last = -1;
+  for (int k = 0; k < MOST_WINDOWS; k++) {
+    float reach;
+    int met = windowMet(o, d, start, last, reach);
+    seen.hit = meet(seen.origin, d, met < 0 ? 1e30 : reach - start);
+    if (seen.hit.what != SKY || met < 0) return seen;
+    vec3 p = toWindow(met, o - windowPlace[met]), v = toWindow(met, d);
+    if (sheetCounts[met] > 0) {
+      seen.passage = passage(Passage(p, v, THROUGH, seen.passage.faces), met);
+      p = seen.passage.position;
+      v = seen.passage.direction;
       seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == BLACKENED;
+    } else {
+      p += reach * v;
+      p.z = 0.0;
+      bool forward = v.z > 0.0;
+      v = forward ? bent(v, p.xy, met) : bentFromBehind(v, p.xy, met);
+      seen.lost = v.z > 0.0 != forward;
     }
-    if (seen.passage.end == FRAME) {
-      vec2 inwards = abs(seen.origin.x) > abs(seen.origin.y) ? vec2(-sign(seen.origin.x), 0) : vec2(0, -sign(seen.origin.y));
-      seen.hit = Hit(0.0, WINDOW_FRAME, vec3(inwards, 0));
-    } else if (!seen.lost) {
-      seen.hit = meet(seen.origin, seen.direction);
+    seen.origin = o = fromWindow(met, p) + windowPlace[met];
+    seen.direction = d = fromWindow(met, v);
+    if (seen.lost) return seen;
+    if (sheetCounts[met] > 0 && seen.passage.end == FRAME) {
+      vec2 far = p.xy / windowHalf[met];
+      vec2 inwards = windowRound[met] ? -normalize(far / windowHalf[met])
+        : abs(far.x) > abs(far.y) ? vec2(-sign(far.x), 0) : vec2(0, -sign(far.y));
+      seen.hit = Hit(0.0, WINDOW_FRAME + met, fromWindow(met, vec3(inwards, 0)));
+      return seen;
     }
-#if WINDOWS > 1
-    met = seen.lost || seen.passage.end == FRAME || sheetCounts[WINDOWS - 1] == 0 ? -1 : windowMet(seen.origin, seen.direction, seen.hit.t);
-    if (met < 0) break;
-#endif
+    start = 0.0;
+    last = met;
   }
+  seen.lost = true;
   return seen;
+}
+
+Finish finishOf(int what, vec3 p) {
+  if (what == FLOOR) return FloorTexture(p);
+#if OBJECTS > 0
+  if (what >= OBJECT) return materialOf(what - OBJECT, p);
+#endif
+  int w = what - WINDOW_FRAME;
+  return FrameTexture(w, toWindow(w, p - windowPlace[w]));
 }
 
 // POV-Ray's shading: ambient, diffuse and specular light, without reflections. The fourth number is 0 where nothing is,

@@ -15,7 +15,7 @@ from povgen.files import temporary_folder
 from povgen.inputs.hdr import encoded
 from povgen.liveview.values import values
 from povgen.liveview.view import html
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import AxialScene
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser as Browser  # other modules may import it from here
@@ -65,7 +65,7 @@ def chromium() -> Iterator["Browser"]:
 class View:
     """A page that shows a scene's live view. Pictures have their first row at the top."""
 
-    def __init__(self, browser: "Browser", scene: Scene, others: Iterable[Scene] = ()) -> None:
+    def __init__(self, browser: "Browser", scene: AxialScene, others: Iterable[AxialScene] = ()) -> None:
         """Open the page, which can also show the sheets of the others. Raises InputError if the browser cannot draw."""
         self.browser = browser
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
@@ -77,7 +77,7 @@ class View:
         if not self.page.evaluate("Boolean(povgen.main.view.gl)"):
             raise InputError(f"Chromium: {self.page.inner_text('#message')}")
 
-    def set(self, scene: Scene) -> None:
+    def set(self, scene: AxialScene) -> None:
         """Show another scene: with kinds of pieces of the first scene, and sheets of the first scene or the others."""
         self.page.evaluate("(values) => povgen.main.view.set(values)", values(scene))
 

@@ -23,7 +23,7 @@ from povgen.optics.profile import confocal
 from povgen.optics.rays import Bundle, Traced
 from povgen.optics.trace import End
 from povgen.scene import camera, survey
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import AxialScene
 from povgen.video.side import image_of
 
 Numbers = Sequence[float]
@@ -39,11 +39,11 @@ class WindowRays(NamedTuple):
     leaves: Mask  # (n,): rays that leave the sheets before POV-Ray ends them
 
 
-def window_rays(scene: Scene, size: Size) -> WindowRays:
+def window_rays(scene: AxialScene, size: Size) -> WindowRays:
     """Trace the rays to the pixels of the window."""
     inside, direction = camera.rays(scene, size)
     most = survey.max_trace_level(scene)
-    traced = scene.trace(camera.along(scene, direction), most)
+    traced = scene.trace(scene.camera.along(direction), most)
     return WindowRays(inside, direction, traced, (traced.end <= End.BACK) & (traced.count < most))
 
 
@@ -72,7 +72,7 @@ def directions(scenes: Sequence[Directions], size: Size) -> Numbers:
     return (np.max(worst),)
 
 
-def _through_ideal(scene: Scene, direction: Floats) -> tuple[Mask, Floats]:
+def _through_ideal(scene: AxialScene, direction: Floats) -> tuple[Mask, Floats]:
     """Return which of the eye's rays pass all windows and their frames, and their directions behind the windows.
 
     `direction` is (n, 3), and the results are (n,) and (n, 3). Rays within 1e-6 tiles of an edge do not pass.
@@ -112,13 +112,13 @@ def about_eye(scene: PiecePositions, decoded: Floats, size: Size) -> complex:
     """
     inside, direction = camera.rays(scene, size)
     if scene.sheet == "detailed":  # stray light shows other places of the piece
-        inside[inside] = scene.trace(camera.along(scene, direction)).designed
+        inside[inside] = scene.trace(scene.camera.along(direction)).designed
     inside &= ~np.isnan(decoded[..., 0])
     x, y, depth = decoded[inside].T
     from_eye = scene.L + x + 1j * y - scene.E
     powers = [power for power in range(4) if (0.5 / scene.z1) ** power > 1e-3]  # far away, depth matters less
     basis = from_eye[:, None] * depth[:, None] ** powers
-    target = camera.pixels(scene, size)[inside] - scene.E
+    target = scene.camera.pixels(size)[inside] - scene.E
     return complex(probes.fitted(basis, target)[0][0])
 
 
@@ -137,7 +137,7 @@ def horizon_angle(scene: Directions, size: Size) -> float:
     inside, _ = camera.rays(scene, size)
     inside &= ~np.isnan(decoded[..., 0])
     slope = decoded[inside][:, 1] / decoded[inside][:, 2]
-    position = camera.pixels(scene, size)[inside]
+    position = scene.camera.pixels(size)[inside]
     (x, y), _ = probes.fitted(np.column_stack((position.real, position.imag)), slope, rounds=8)
     return float(np.arctan2(y, x) - pi / 2)  # the horizon is perpendicular to the slope's gradient
 
@@ -238,7 +238,7 @@ def ghosts(scenes: Sequence[Positions], size: Size) -> Numbers:
     return max(own), max(others), len(others)
 
 
-def field_of_view(scenes: Sequence[Scene], size: Size) -> Numbers:
+def field_of_view(scenes: Sequence[AxialScene], size: Size) -> Numbers:
     """Compare the slope up to which lenses' designed path has most light with n p/(4 f). Return the worst, percent.
 
     n is the refractive index, p the pitch and f the focal length.
@@ -311,7 +311,7 @@ def partial_reflection(scenes: Sequence[Light], size: Size) -> Numbers:
     angles, prism = [0, radians(scene.alpha) / 2], scene.prism
     light = -equations.rotate(direction, radians(scene.alpha))  # towards the eye, before the sheets
     clear = probes.brightness(scene.replace(fresnel=False), size)[inside] > 0.99
-    clear &= scene.trace(camera.along(scene, direction)).designed
+    clear &= scene.trace(scene.camera.along(direction)).designed
     seen = probes.brightness(scene, size)[inside][clear]
     off = np.quantile(abs(seen - mean_transmission(light[clear], angles, prism)), 0.99)
     polarised = transmission(jones(light[clear], angles, prism)).mean()
@@ -329,6 +329,6 @@ def reflected_light(scenes: Sequence[White], size: Size) -> Numbers:
     repeated = np.tile(direction, (100_000 // len(direction) + 1, 1))
     # through more faces than POV-Ray follows: its max_trace_level should cost no light
     most = 2 * limits.MAX_FACES
-    found = scene.trace(camera.along(scene, repeated), most, partial=np.random.default_rng(1))
+    found = scene.trace(scene.camera.along(repeated), most, partial=np.random.default_rng(1))
     followed = (found.end <= End.BACK) & (found.light >= limits.LEAST_LIGHT)
     return abs(seen - followed.mean()), seen, 100 * found.reflected[followed].mean()

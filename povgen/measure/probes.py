@@ -18,7 +18,7 @@ from povgen.files import temporary_folder
 from povgen.optics.prism import Prism
 from povgen.rendering import povray
 from povgen.rendering.parallel import thread_pool
-from povgen.scene.scenes import Chess, Scene
+from povgen.scene.scenes import AxialScene, Chess
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
@@ -46,7 +46,7 @@ class LinearRendering(Rendering):
         super().__init__(size=size, antialias="off")
 
 
-class _Probe(Scene):
+class _Probe(AxialScene):
     """A window in front of something whose colours encode numbers. It allows values that other scenes refuse.
 
     The window is smaller than that of other scenes, because the limits of the methods were measured with this size.
@@ -126,7 +126,7 @@ def brightness(scene: Light | White, size: Size) -> Floats:
     return np.asarray(colours[..., 0])
 
 
-def decoded(scenes: Sequence[Scene], size: Size) -> Iterator[Floats]:
+def decoded(scenes: Sequence[AxialScene], size: Size) -> Iterator[Floats]:
     """Render probes, and yield the numbers that the pixels of each probe encode, (height, width, 3).
 
     The probes keep their order. The numbers are x, y and z of directions, or of positions in tiles. They are NaN where
@@ -137,7 +137,7 @@ def decoded(scenes: Sequence[Scene], size: Size) -> Iterator[Floats]:
         yield numbers * float(getattr(scene, "extent", 1))
 
 
-def _colours(scenes: Sequence[Scene], size: Size) -> Iterator[Floats]:
+def _colours(scenes: Sequence[AxialScene], size: Size) -> Iterator[Floats]:
     """Render probes, and yield their colours, (height, width, 3), from 0 to 1."""
 
     def rendered(source: str) -> Floats:

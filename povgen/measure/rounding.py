@@ -7,7 +7,7 @@ import numpy as np
 
 from povgen.measure.probes import Directions, Floats, Mask
 from povgen.optics.rays import Bundle
-from povgen.scene import camera, survey
+from povgen.scene import survey
 
 # Tiles. POV-Ray ignores a face that is nearer than this to the face that the ray met last.
 MIN_DISTANCE = 1e-6
@@ -24,7 +24,7 @@ def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
     if a neighbouring ray takes another path, or leaves in a direction more than 5e-4 rad away. A ray also counts if it
     meets two faces, one after the other, at points within MIN_DISTANCE of each other, as at an edge.
     """
-    max_faces, rays = survey.max_trace_level(scene), camera.along(scene, direction)
+    max_faces, rays = survey.max_trace_level(scene), scene.camera.along(direction)
     path = scene.trace(rays, max_faces)
     sensitive = np.zeros(len(direction), bool)
     front = rays.position + direction * ((scene.z2 - 0.51 * scene.depth) / direction[:, 2:])

@@ -26,7 +26,7 @@ from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture
 from povgen.rendering.parallel import cpu_seconds
 from povgen.scene import camera
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import AxialScene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 
@@ -93,7 +93,7 @@ def drawn_sample(view: OpenGLView, sampling: str, size: Size) -> tuple[float, Pi
         return cpu_seconds() - before + runner.cpu_seconds[-1], picture
 
 
-def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[float, float]:
+def picture_error(picture: Picture, reference: Picture, scene: AxialScene) -> tuple[float, float]:
     """Return the RMS difference (0 to 1) and the mean FLIP of two pictures, inside the window."""
     height, width = reference.shape[:2]
     window = camera.window(scene, (width, height))
@@ -102,7 +102,7 @@ def picture_error(picture: Picture, reference: Picture, scene: Scene) -> tuple[f
 
 
 def measure_samplings(
-    scenes: Mapping[str, Scene], done: Callable[[str], object], others: Sequence[Point] = ()
+    scenes: Mapping[str, AxialScene], done: Callable[[str], object], others: Sequence[Point] = ()
 ) -> list[Point]:
     """Measure the scenes, by their methods' names, with every renderer and sampling, and then the points `others`.
 
@@ -138,7 +138,7 @@ def measure_samplings(
     return points
 
 
-def _gl_points(scenes: Mapping[str, Scene], _: ExitStack) -> Iterator[Point]:
+def _gl_points(scenes: Mapping[str, AxialScene], _: ExitStack) -> Iterator[Point]:
     """Return the points of the renderer gl. Raises InputError without OpenGL."""
     views = {method: OpenGLView(scene) for method, scene in scenes.items()}
     for (method, view), size, sampling in product(views.items(), SIZES, GL_SAMPLINGS):
@@ -146,7 +146,7 @@ def _gl_points(scenes: Mapping[str, Scene], _: ExitStack) -> Iterator[Point]:
         yield Point(f"gl {method}", sampling, size, partial(drawn_sample, view, sampling, size))
 
 
-def _live_points(scenes: Mapping[str, Scene], opened: ExitStack) -> Iterator[Point]:
+def _live_points(scenes: Mapping[str, AxialScene], opened: ExitStack) -> Iterator[Point]:
     """Return the live view's points, to be measured before `opened` is closed. Raises InputError without a Chromium."""
     browser = opened.enter_context(chromium())
     for method, scene in scenes.items():

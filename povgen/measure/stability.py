@@ -166,7 +166,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
         sheets = "2 sheets" if scene.rotates else "1 sheet"
         series = f"eye {scene.z2:g} away, {scene.E.imag:g} up, {sheets}, N = {scene.prisms}, α = {scene.alpha:g}°"
         inside, direction = camera.rays(scene, size)
-        found = scene.trace(camera.along(scene, direction), 255)
+        found = scene.trace(scene.camera.along(direction), 255)
         leaves = found.end != End.FRAME  # rays that the trace does not finish count as leaving
         for level in levels:
             result.add(series, int(level), 100 * float((leaves & (found.count >= level)).mean()))
@@ -241,7 +241,7 @@ def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size:
         enough = ceil(sqrt(grid_error(own, 1) / limits.MAX_CAMERA_ERROR))
         coarser = [own.model_copy(update={"grid": max(1, enough // part)}) for part in (8, 4, 2, 1)]
         for scene, decoded in zip(coarser, probes.decoded(coarser, size), strict=True):
-            place = camera.pixels(scene, size)
+            place = scene.camera.pixels(size)
             inside, _ = camera.rays(scene, size)
             inside &= ~np.isnan(decoded[..., 0])
             predicted = scene.E + (transverse(decoded[inside]) + scene.L - scene.E) * seen
@@ -290,7 +290,7 @@ def moire(
             scene = Directions(sheet="detailed", alpha=product / count, prisms=count)
             inside, direction = camera.rays(scene, size)
             designed = np.zeros(inside.shape)
-            designed[inside] = scene.trace(camera.along(scene, direction)).designed
+            designed[inside] = scene.trace(scene.camera.along(direction)).designed
             blocks = _blocks(designed[camera.window(scene, size)][6:-6, 6:-6], 24)
             # only neighbours are compared, because the slow decrease towards the window's edges is not moire
             contrast.append(np.hypot(rms(np.diff(blocks, axis=0)), rms(np.diff(blocks, axis=1))))

@@ -10,7 +10,7 @@ from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Floats, Positions, Size
 from povgen.optics import apparent, equations, series
 from povgen.scene import camera
-from povgen.scene.windows import Window
+from povgen.scene.windows import FurtherWindow
 from povgen.sheets import OTHER
 
 Series = tuple[float, dict[str, Any]]  # alpha of the first window, and a second window
@@ -59,7 +59,7 @@ def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, 
     while len(scenes) < count:
         angles = random.uniform(8, 150, windows) * random.choice([-1, 1], windows)
         places = np.cumsum(random.uniform(0.6, 1.6, windows - 1))
-        window = tuple(Window(alpha=alpha, z=z) for alpha, z in zip(angles[1:], places, strict=True))
+        window = tuple(FurtherWindow(alpha=alpha, z=z) for alpha, z in zip(angles[1:], places, strict=True))
         z1, z2, P = random.uniform(1, 6), random.uniform(4, 8), complex(*random.uniform(-0.5, 0.5, 2))
         scene = Positions(sheet=sheet, alpha=angles[0], window=window, z1=z1, z2=z2, eye=E, **values)
         L = equations.object_position(P, E, z1, z2, radians(scene.alpha), scene.behind)
@@ -89,7 +89,7 @@ def located(scenes: Sequence[Positions], size: Size) -> Iterator[tuple[Positions
         inside, _ = camera.rays(scene, size)
         yield (
             scene,
-            probes.locate(camera.pixels(scene, size)[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND,
+            probes.locate(scene.camera.pixels(size)[inside], transverse(decoded[inside]), scene.extent) or NOT_FOUND,
         )
 
 

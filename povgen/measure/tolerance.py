@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from povgen.errors import InputError
 from povgen.objects.sheet_fields import as_table
 from povgen.rendering.results import results
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import AxialScene
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 
@@ -74,7 +74,7 @@ class Change(NamedTuple):
     blurred: Any  # change of the RMS blur, arcminutes
 
 
-def sensitivities(scene: Scene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
+def sensitivities(scene: AxialScene, workers: int | None = None, scheduler: str | None = None) -> dict[str, Change]:
     """Return, for each error, by how much one unit of it changes what is seen.
 
     The unit is a degree; for `separation` it is a tile, and for an index a difference of 1. Two scenes are compared:
@@ -113,7 +113,7 @@ def _tilted(less: Floats, more: Floats) -> Change:
     return Change(abs(displaced), *others)
 
 
-def _moved(scene: Scene, name: str, step: float) -> Scene:
+def _moved(scene: AxialScene, name: str, step: float) -> AxialScene:
     """Return the scene with an error changed by a step, by 1/2 to 1/16 of it if the scene allows no more, or by 0."""
     for part in (1, 1 / 2, 1 / 4, 1 / 8, 1 / 16):
         with suppress(InputError):
@@ -121,7 +121,7 @@ def _moved(scene: Scene, name: str, step: float) -> Scene:
     return scene
 
 
-def random_builds(scene: Scene, spread: Spread) -> list[Scene]:
+def random_builds(scene: AxialScene, spread: Spread) -> list[AxialScene]:
     """Return random builds of a scene.
 
     The drawn errors are added to the scene's own. `facets` and `pitches` replace the scene's, and each build has
@@ -146,7 +146,9 @@ def random_builds(scene: Scene, spread: Spread) -> list[Scene]:
     return scenes
 
 
-def builds(scene: Scene, made: Sequence[Scene], workers: int | None = None, scheduler: str | None = None) -> Change:
+def builds(
+    scene: AxialScene, made: Sequence[AxialScene], workers: int | None = None, scheduler: str | None = None
+) -> Change:
     """Return the changes, without signs, from the scene to each of `made`, the result of `random_builds`: (builds,).
 
     `workers` and `scheduler` are as for `rendering.results.results`.
@@ -164,7 +166,7 @@ def percentile(changes: Floats, share: float) -> float:
     return float(np.percentile(np.nan_to_num(changes, nan=np.inf, posinf=np.inf), share, method="higher"))
 
 
-def _check(scene: Scene) -> None:
+def _check(scene: AxialScene) -> None:
     if not isinstance(scene.sheets[0], PrismPair) or scene.window:
         raise InputError(
             f"windows: {1 + len(scene.window)}, sheet = {scene.sheet!r}; allowed: one window, sheet = 'detailed'"
@@ -176,12 +178,12 @@ def _check(scene: Scene) -> None:
         )
 
 
-def _seen(scenes: list[Scene], workers: int | None, scheduler: str | None) -> Seen:
+def _seen(scenes: list[AxialScene], workers: int | None, scheduler: str | None) -> Seen:
     table = results(scenes, *SPREADS, workers=workers, scheduler=scheduler)
     return np.stack([table[name] for name in SPREADS])
 
 
-def _change(scene: Scene, before: Seen, after: Seen) -> Change:
+def _change(scene: AxialScene, before: Seen, after: Seen) -> Change:
     """Return how differently an object appears."""
     (x, y, nu, M, _), (x1, y1, nu1, M1, _) = before, after
     angle = 2 * np.arcsin(np.linalg.norm(_direction(scene, x1 + 1j * y1) - _direction(scene, x + 1j * y), axis=-1) / 2)
@@ -189,7 +191,7 @@ def _change(scene: Scene, before: Seen, after: Seen) -> Change:
     return Change(angle / ARCMINUTE, (nu1 - nu + 180) % 360 - 180, 100 * (M1 / M - 1), blurred / ARCMINUTE)
 
 
-def _blur_angle(scene: Scene, seen: Seen) -> Floats:
+def _blur_angle(scene: AxialScene, seen: Seen) -> Floats:
     """Return the RMS blur as the eye sees it, radians.
 
     D is the distance from the eye to the position. From the eye, a unit of length in the plane z = 0 is seen at an
@@ -201,7 +203,7 @@ def _blur_angle(scene: Scene, seen: Seen) -> Floats:
     return np.asarray(blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2))
 
 
-def _direction(scene: Scene, position: NDArray[np.complex128]) -> Floats:
+def _direction(scene: AxialScene, position: NDArray[np.complex128]) -> Floats:
     """Return unit vectors from the eye to positions in the plane z = 0."""
     step = position - scene.E
     vectors = np.stack((step.real, step.imag, np.full(step.shape, float(scene.z2))), -1)

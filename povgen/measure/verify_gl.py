@@ -20,7 +20,7 @@ from povgen.measure.verify import PROFILES
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.light import Picture
 from povgen.scene import camera
-from povgen.scene.scenes import Chess, Scene, Spheres
+from povgen.scene.scenes import AxialScene, Chess, Spheres
 from povgen.scene.sdl import to_pov
 from povgen.video.still import render
 
@@ -48,7 +48,7 @@ PRISM_SCENES: tuple[dict[str, Any], ...] = (
         "window": ("alpha=75,z=1.5,prisms=40,index=1.7,base_angle=40,gap=0.05", "z=3,sheet=single,prisms=70"),
     },
 )
-SCENES: tuple[Scene, ...] = (
+SCENES: tuple[AxialScene, ...] = (
     Chess(),
     Chess(alpha=140, z1=3, piece="queen", eye=(0.4, 0.3)),
     Chess(alpha=25, piece=("rook", "king"), x=(-0.5, 0.5), z1=(1.5, 3), color=("#e7b56f", "#5a3a22")),
@@ -126,12 +126,12 @@ def _seen(view: OpenGLView, scene: Positions, size: Size) -> complex:
     last = scene.places[-1]
     shown = origin[..., 0] + 1j * origin[..., 1] + slope * (last + scene.z1 - origin[..., 2]) - scene.L
     inside = camera.rays(scene, size)[0] & (abs(origin[..., 2] - last) < 1e-3)  # through all windows
-    pixels = camera.pixels(scene, size)[inside]
+    pixels = scene.camera.pixels(size)[inside]
     return (probes.locate(pixels, shown[inside], scene.extent) or NOT_FOUND).position
 
 
 def pictures(
-    kind: str, scenes: Sequence[Scene], shown: Size = SMALL, size: Size = PICTURE, antialias: str = CONVERGED
+    kind: str, scenes: Sequence[AxialScene], shown: Size = SMALL, size: Size = PICTURE, antialias: str = CONVERGED
 ) -> Iterator[Measured]:
     """Compare the shader's pictures with POV-Ray's: what each pixel shows, and how the converged pictures look.
 
@@ -150,7 +150,7 @@ def pictures(
     yield Measured("gl", f"mean FLIP against POV-Ray's converged picture: {where}{what}", np.max(difference), most)
 
 
-def shows_the_same(view: OpenGLView, scene: Scene, size: Size) -> Mask:
+def shows_the_same(view: OpenGLView, scene: AxialScene, size: Size) -> Mask:
     """Return for each pixel whether the shader shows the same as POV-Ray at its centre: the sky, a piece, or neither.
 
     POV-Ray shows the sky where white instead of black behind the scene changes the picture, and a piece where the
@@ -175,7 +175,7 @@ def shows_the_same(view: OpenGLView, scene: Scene, size: Size) -> Mask:
     return np.asarray(agrees & (named | (abs(found - plain).max(-1) < SAME)))
 
 
-def rendered(scenes: Sequence[Scene], size: Size, antialias: str = "off") -> list[Picture]:
+def rendered(scenes: Sequence[AxialScene], size: Size, antialias: str = "off") -> list[Picture]:
     """Return POV-Ray's pictures of the scenes, several of which are rendered at once."""
     return render(scenes, size=size, antialias=antialias, progress=False)
 

@@ -14,10 +14,10 @@ from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Size
 from povgen.measure.verify_gl import RAYS, SHADOW_RAYS
 from povgen.rendering.flip import flip
-from povgen.scene.scenes import Chess, Scene, Spheres
+from povgen.scene.scenes import AxialScene, Chess, Spheres
 
 SIZE = (320, 240)
-SCENES: tuple[Scene, ...] = (
+SCENES: tuple[AxialScene, ...] = (
     Chess(),
     Chess(sheet="ideal", piece=("rook", "king"), x=(-0.5, 0.5), z1=(1.5, 3), color=("#e7b56f", "#5a3a22")),
     Chess(sheet="single", tops="black", prisms=30, eye=(0.4, 0.3)),

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from povgen.optics.apparent import Element, nearest_rays
 from povgen.optics.equations import Complexes, real
 from povgen.optics.faces import Booleans, Floats, GlassSheet, Indices
+from povgen.optics.outline import Outline
 from povgen.optics.pose import Pose
 from povgen.optics.trace import CHUNK, End, Rays, trace
 
@@ -34,11 +35,18 @@ _PRECISION = 1e-11
 
 
 class Opening(NamedTuple):
-    """A window: where its square opening stands, what is in it, and how deep its frame is."""
+    """A window: where its opening stands, what is in it, how deep its frame is, and its outline."""
 
     pose: Pose
     sheet: Element
     frame: float = 0.0  # extent of the frame along the window's normal; `deep` makes it hold prisms or lenses
+    own_outline: Outline | None = None  # None: a square, with the sheet's side
+    framed: bool = True  # whether a frame is seen; without it, prisms or lenses have black edges
+
+    @property
+    def outline(self) -> Outline:
+        """The opening's outline."""
+        return self.own_outline or Outline(self.sheet.aperture, self.sheet.aperture)
 
     @property
     def deep(self) -> "Opening":
@@ -46,19 +54,6 @@ class Opening(NamedTuple):
         sheets = self.sheet.layers_at(0.0, 0)
         depth = sheets[-1].centre - sheets[0].centre + sheets[0].shape.length if sheets else 0.0
         return self._replace(frame=max(self.frame, depth))
-
-    def passage(self, position: Floats, direction: Floats) -> tuple[Floats, Floats]:
-        """Return how far along rays (n, 3), in the window's coordinates, the space within its frame begins and ends.
-
-        The ray does not meet this space if the first number is greater.
-        """
-        half = np.array([self.sheet.aperture, self.sheet.aperture, self.frame]) / 2
-        ends = (half - position) / direction, (-half - position) / direction
-        return np.fmax.reduce(np.minimum(*ends), 1), np.fmin.reduce(np.maximum(*ends), 1)
-
-    def is_in(self, position: Floats) -> Booleans:
-        """Return whether points (n, 3), in the window's coordinates, are within the opening's square."""
-        return np.asarray(np.maximum(*abs(position[:, :2]).T) <= self.sheet.aperture / 2)
 
 
 class Convergence(NamedTuple):
@@ -91,7 +86,7 @@ class _Lines:
 
     @property
     def slope(self) -> Complexes:
-        """(dx + i dy)/dz of each ray, without a unit. It is the same whichever way the ray runs."""
+        """(dx + i dy)/dz of each ray, without a unit. It is the same whichever way the ray runs; infinite if dz = 0."""
         return (self.direction[..., 0] + 1j * self.direction[..., 1]) / self.direction[..., 2]
 
     def at(self, z: float) -> Complexes:
@@ -129,7 +124,7 @@ class Bundle(_Lines):
 
     `position` is (x, y, z) in tiles, `direction` (dx, dy, dz) of any length, which becomes a unit vector. Both are
     arrays (..., 3), and broadcast. Raises ValueError for anything else, for numbers that are not finite, and for a
-    direction without length or parallel to the sheets.
+    direction without length.
     """
 
     def __init__(self, position: ArrayLike, direction: ArrayLike) -> None:
@@ -139,8 +134,8 @@ class Bundle(_Lines):
                 raise ValueError(f"{name}: an array of the shape {values.shape}; allowed: (..., 3), x, y and z")
             if not np.isfinite(values).all():
                 raise ValueError(f"{name}: not finite; allowed: finite numbers")
-        if not (abs(along[..., 2]) > 1e-100 * abs(along).max(-1, initial=0)).all():  # squares of slopes are finite
-            raise ValueError("direction: dz = 0, parallel to the sheets, or nearly; allowed: dz farther from 0")
+        if not along.any(-1).all():
+            raise ValueError("direction: 0, 0, 0; allowed: a direction with a length")
         # copies: the caller may change the given arrays
         try:
             self.position, along = map(np.array, np.broadcast_arrays(start, along))
@@ -341,7 +336,8 @@ class _Way:
         met, nearest = np.full(len(i), -1), np.full(len(i), np.inf)
         for w, window in enumerate(self.windows):
             some = np.flatnonzero(last != w)
-            begins, ends = window.passage(*window.pose.own(self.rays.position[i[some]], self.rays.direction[i[some]]))
+            own = window.pose.own(self.rays.position[i[some]], self.rays.direction[i[some]])
+            begins, ends = window.outline.passage(*own, window.frame)
             closer = (begins <= ends) & (ends >= 0) & (begins < nearest[some])
             met[some[closer]], nearest[some[closer]] = w, begins[closer]
         return met, np.maximum(nearest, 0)
@@ -370,7 +366,7 @@ class _Way:
         else:
             self.bend(np.flatnonzero(ahead), window, position, direction, ends)
             way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
-            framed = ~window.is_in(position + way[:, None] * direction)
+            framed = window.outline.excludes(*(position + way[:, None] * direction)[:, :2].T)
             ends[(ends == End.THROUGH) & framed] = End.FRAME
         self.rays.position[i], self.rays.direction[i] = window.pose.scene(position, direction)
         back, leaves = ends == End.BACK, ends <= End.BACK
@@ -393,7 +389,7 @@ class _Way:
         p = p - (p[:, 2] / d[:, 2])[:, None] * d
         p[:, 2] = 0
         position[ahead] = p
-        inside = window.is_in(p)
+        inside = ~window.outline.excludes(p[:, 0], p[:, 1])
         ends[ahead[~inside]] = End.FRAME
         ahead, p, d = ahead[inside], p[inside], d[inside]
         before, place, front = (d[:, 0] + 1j * d[:, 1]) / d[:, 2], p[:, 0] + 1j * p[:, 1], d[:, 2] > 0
@@ -419,8 +415,8 @@ class _Way:
         first = sum(map(len, self.sheets[:w]))
         j, some = i[ahead], np.flatnonzero(ahead)
         met = rays.count[j]  # faces, before this window
-        side, most = window.sheet.aperture, self.most - met
-        after = trace(position[some], direction[some], sheets, side, most, window.frame, self.partial)
+        most = self.most - met
+        after = trace(position[some], direction[some], sheets, window.outline, most, window.frame, self.partial)
         position[some], direction[some], ends[some] = after.position, after.direction, after.end
         for count in np.unique(met):
             rays.faces[j[met == count], count:] = after.faces[met == count, : self.most - count]

@@ -36,6 +36,7 @@ from povgen.optics.faces import (
     ProfileCells,
     UnequalPrismCells,
 )
+from povgen.optics.outline import Outline
 from povgen.optics.polarisation import reflection
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
@@ -105,7 +106,7 @@ def trace(
     origin: ArrayLike,
     direction: ArrayLike,
     sheets: tuple[GlassSheet, ...],
-    window: float,
+    window: float | Outline,
     most: ArrayLike = 60,
     frame: float = 0.0,
     partial: "np.random.Generator | None" = None,
@@ -113,9 +114,9 @@ def trace(
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first, and fill square windows with the given side. `frame` is the extent of each window's frame along z.
-    It matters only if it is greater than that of the sheets: then light from the sheets can meet the frame. A ray ends
-    after `most` faces, a number or one for each ray (n,).
+    eye's side first, and fill windows with this outline, or square windows with this side. `frame` is the extent of
+    each window's frame along z. It matters only if it is greater than that of the sheets: then light from the sheets
+    can meet the frame. A ray ends after `most` faces, a number or one for each ray (n,).
     With `partial`, a generator of random numbers, a face that refracts light also reflects a part of it. The part
     follows from the Fresnel equations for unpolarised light. The ray is reflected with this part as its probability. So
     each ray stands for an equal share of the light, and light is unpolarised again after every face.
@@ -124,6 +125,8 @@ def trace(
     `most` < 1.
     """
     several = [sheet.shape for sheet in sheets]
+    outline = window if isinstance(window, Outline) else Outline(window, window)
+    window = max(outline[:2])
     if not np.min(most, initial=1) > 0:
         raise ValueError(f"most = {np.min(most):g}; allowed: above 0")
     glass = _glass(sheets, window)
@@ -137,7 +140,7 @@ def trace(
     for start in range(0, len(position), CHUNK):
         part = slice(start, start + CHUNK)
         with np.errstate(divide="ignore", invalid="ignore"):
-            _Trace(rays[part], limits[part], sheets, glass, window, frame, partial).run()
+            _Trace(rays[part], limits[part], sheets, glass, outline, frame, partial).run()
     rays.designed = on_path(rays, several, forward) & ~rays.reflected & ~rays.orders.any(1)
     return rays
 
@@ -211,7 +214,7 @@ class _Trace:
         most: Indices,
         sheets: tuple[GlassSheet, ...],
         glass: PrismCells | ProfileCells,
-        window: float,
+        outline: Outline,
         frame: float,
         partial: "np.random.Generator | None",
     ) -> None:
@@ -224,7 +227,7 @@ class _Trace:
         self.window = np.array([sheet.window for sheet in sheets])
         # z of the middle of each sheet's window
         self.middle = np.array([self.centre[self.window == window].mean() for window in self.window])
-        self.half_window, self.frame = window / 2, frame / 2
+        self.outline, self.frame = outline, frame / 2
         # of profiles: the cell in which a ray first met glass in its sheet, and the one in which it did last
         self.borders = isinstance(glass, ProfileCells)
         self.entered, self.last = np.empty((2, n if self.borders else 0))
@@ -272,7 +275,7 @@ class _Trace:
             place, d = (np.einsum("nij,jn->in", self.axes[here], v) for v in (place, d))
         surface = -np.copysign(self.glass.at(here).half, d[2])
         step = (surface - place[2]) / d[2]
-        beyond = np.maximum(abs(x + step * outer[0]), abs(y + step * outer[1])) > self.half_window
+        beyond = self.outline.excludes(x + step * outer[0], y + step * outer[1])
         # some rays run parallel to a tilted sheet's surface, or nearly
         return place[0] + step * d[0], place[1] + step * d[1], surface, d, beyond | (d[2] * outer[2] <= 0)
 
@@ -341,14 +344,14 @@ class _Trace:
         return self.enter(i[~ended])
 
     def outside(self, i: Indices, z: Floats) -> Booleans:
-        """Return whether rays are outside the window's square where they cross the plane z.
+        """Return whether rays are outside the window where they cross the plane z.
 
         A ray that has passed this plane is tested at its present position.
         """
         position, direction = self.rays.position[i], self.rays.direction[i]
         step = np.maximum((z - position[:, 2]) / direction[:, 2], 0)
-        x, y, _ = abs(position + step[:, None] * direction).T
-        return np.asarray(np.maximum(x, y) > self.half_window)
+        x, y, _ = (position + step[:, None] * direction).T
+        return self.outline.excludes(x, y)
 
     def cross_borders(self, i: Indices, face: Indices) -> tuple[Indices, Indices, Indices]:
         """Take rays at a border into the next cell. Return the rays at faces, these faces, and the rays at borders."""
@@ -371,7 +374,7 @@ class _Trace:
         x, y = c * x - s * y, s * x + c * y
         if self.axes is not None:
             x, y, _ = np.einsum("nij,in->jn", self.axes[self.sheet[i]], np.stack((x, y, self.z[i])))
-        blocked = np.maximum(abs(x), abs(y)) > self.half_window
+        blocked = self.outline.excludes(x, y)
         return self.without_ended(i, blocked, End.FRAME), face[~blocked]
 
     def bend(self, i: Indices, face: Indices, eta: Floats) -> Booleans:

@@ -23,7 +23,7 @@ from povgen.record import check_unasked
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres, input_files
+from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, Chess, Spheres, input_files
 from povgen.scene.scenes import pieces as pieces_of
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MovieSpec
@@ -96,7 +96,7 @@ def data(
     shown: Mapping[str, str | PieceFile],
     shapes: Mapping[str, Volume] | None = None,
     presets: Sequence[object] = (),
-    scenes: Mapping[str, Scene] | None = None,
+    scenes: Mapping[str, AxialScene] | None = None,
 ) -> dict[str, object]:
     """Return what the page's scripts read: its scenes, the pieces by their names, and the presets."""
     return {

@@ -18,7 +18,7 @@ from povgen.measure.targets import located
 from povgen.optics import equations, trace
 from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
-from povgen.scene.scenes import Chess, Scene, Spheres
+from povgen.scene.scenes import AxialScene, Chess, Spheres
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complexfloating[Any, Any]]  # of any precision, as numpy's types say of products
@@ -86,7 +86,7 @@ class MirroredTwice:
         return power_of_ten(self.difference)
 
 
-def mirror_twice(picture: NDArray[np.uint8], scene: Scene, alpha: float, side: int) -> MirroredTwice:
+def mirror_twice(picture: NDArray[np.uint8], scene: AxialScene, alpha: float, side: int) -> MirroredTwice:
     """Mirror a part of a scene's picture twice, sampled at side x side points. The angle alpha is in radians."""
     step = (np.arange(side) + 0.5) / side * 2 - 1
     point = step - 1j * step[:, None]
@@ -100,7 +100,7 @@ def mirror_twice(picture: NDArray[np.uint8], scene: Scene, alpha: float, side: i
     return MirroredTwice((unchanged, mirrored, turned), (vertical, complex(oblique)), float(difference))
 
 
-def _colours_at(picture: NDArray[np.uint8], scene: Scene, point: Complexes) -> Reals:
+def _colours_at(picture: NDArray[np.uint8], scene: AxialScene, point: Complexes) -> Reals:
     """Return the picture's colours at points of the plane z = 0, interpolated between pixels."""
     tile = picture.shape[0] / scene.view
     x = picture.shape[1] / 2 + point.real * tile - 0.5

@@ -33,7 +33,7 @@ from povgen.paper.shapes import (
     xy,
 )
 from povgen.rendering.frames import read_png, render_all
-from povgen.scene.scenes import Chess, Scene, Spheres
+from povgen.scene.scenes import AxialScene, Chess, Spheres
 from povgen.scene.sdl import to_caption
 from povgen.settings import Rendering
 from povgen.video import overlay
@@ -226,7 +226,7 @@ def spheres(rendering: Rendering) -> Captioned:
     return figure, {"spheres": agreement.spheres(scenes)}
 
 
-def _at_angle(each: Scene | agreement.PieceAgreement) -> str:
+def _at_angle(each: AxialScene | agreement.PieceAgreement) -> str:
     return rf"$\alpha$ = {each.alpha:g}°"
 
 
@@ -248,7 +248,7 @@ def _letters(figure: Figure, *places: tuple[float, float]) -> None:
 
 
 def _montage(
-    scenes: Sequence[Scene], rendering: Rendering, titles: list[str], reach: float = 1.45, *, ideal: bool = False
+    scenes: Sequence[AxialScene], rendering: Rendering, titles: list[str], reach: float = 1.45, *, ideal: bool = False
 ) -> tuple[Figure, Sequence[Axes]]:
     """Draw two rows of three frames, with coordinates in the plane z = 0. Return the figure and the six panels.
 
@@ -276,7 +276,7 @@ def _montage(
     return figure, list(shown.ravel())
 
 
-def _draw_frames(panels: Sequence[Axes], scenes: Sequence[Scene], rendering: Rendering, reach: float) -> None:
+def _draw_frames(panels: Sequence[Axes], scenes: Sequence[AxialScene], rendering: Rendering, reach: float) -> None:
     """Draw a frame in each panel."""
     for ax, scene, (frame,) in zip(panels, scenes, render_all(scenes, rendering), strict=True):
         picture = read_png(frame)

@@ -32,7 +32,8 @@ from povgen.rendering.parallel import default_workers, thread_pool
 from povgen.rendering.views import check_gl, views
 from povgen.rendering.volumes import volumes
 from povgen.scene import camera
-from povgen.scene.scenes import Scene, checked_scene, pieces
+from povgen.scene.scene import checked_scene
+from povgen.scene.scenes import AxialScene, pieces
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Options, Renderer, Rendering, SharedOptions
 
@@ -104,8 +105,12 @@ class _MosaicRendering(Rendering):
 
 
 def cheapest(
-    scene: Scene, tolerance: str, *, renderer: Renderer | Literal["auto"] = "povray", **options: Unpack[SharedOptions]
-) -> tuple[Scene, Options]:
+    scene: AxialScene,
+    tolerance: str,
+    *,
+    renderer: Renderer | Literal["auto"] = "povray",
+    **options: Unpack[SharedOptions],
+) -> tuple[AxialScene, Options]:
     """Return the scene with the cheapest sheets within a tolerance, and the options of `render` that belong to it.
 
     This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
@@ -125,7 +130,7 @@ def cheapest(
 
 
 def choose(
-    scenes: Sequence[Scene],
+    scenes: Sequence[AxialScene],
     rendering: Rendering,
     tolerance: Tolerance,
     antialias: str | None = None,
@@ -196,7 +201,7 @@ def prism_samplings(renderer: str) -> Sequence[str]:
     return PRISM_SAMPLINGS if renderer == "povray" else GL_PRISM_SAMPLINGS
 
 
-def _gl_can_draw(scenes: Sequence[Scene], timeout: float) -> bool:
+def _gl_can_draw(scenes: Sequence[AxialScene], timeout: float) -> bool:
     """Whether the renderer gl shows these scenes on this machine.
 
     POV-Ray measures pieces of a user's own for that, for at most `timeout` seconds each. Raises PovrayError if POV-Ray
@@ -215,7 +220,7 @@ def _gl_can_draw(scenes: Sequence[Scene], timeout: float) -> bool:
 class _Trial:
     """The comparison of candidates with the converged picture, on small blocks of the windows of a few scenes."""
 
-    def __init__(self, scenes: Sequence[Scene], rendering: Rendering) -> None:
+    def __init__(self, scenes: Sequence[AxialScene], rendering: Rendering) -> None:
         flip_evaluator()  # raises before anything is rendered
         chosen = np.unique(np.linspace(0, len(scenes) - 1, MAX_FRAMES).round().astype(int))
         self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], rendering.size))]
@@ -275,7 +280,7 @@ class _Trial:
         return mosaics
 
 
-def mosaic(scene: Scene, size: tuple[int, int]) -> Mosaic | None:
+def mosaic(scene: AxialScene, size: tuple[int, int]) -> Mosaic | None:
     """Return blocks of the window's pixels, or None if no pixel shows the window.
 
     The places where a block can begin are divided into equal parts. In each part, one block begins at a random place,
@@ -312,7 +317,7 @@ def _flip(picture: Picture, converged: Picture, side: int, around: int = 0) -> N
     return np.asarray(off[:, inner, :, inner].mean((1, 3)), np.float64)
 
 
-def _position_error(scene: Scene, sheet: str) -> float:
+def _position_error(scene: AxialScene, sheet: str) -> float:
     """Return the greatest error of a point's apparent position, in tiles, if `sheet` replaces the scene's prisms.
 
     The points appear in all parts of the window. Their distances are those of the scene's objects, and FAR_DISTANCE.

@@ -9,7 +9,7 @@ from povgen.files import temporary_folder
 from povgen.rendering.frames import named, renderer_of
 from povgen.rendering.parallel import Runner, cores, cpu_seconds, thread_pool
 from povgen.rendering.views import views
-from povgen.scene.scenes import Scene
+from povgen.scene.scene import Scene
 from povgen.settings import Rendering
 
 SIZES = (64, 48), (160, 120), (480, 360)  # of the small pictures; the third one if the second costs too little

@@ -175,14 +175,14 @@ class Drawer:
         self.fields[key].use(1)
 
     def _pictures(self, files: dict[str, bytes]) -> None:
-        """Put the pictures of the sky and the floor, PNG or Radiance files, into textures."""
+        """Put the pictures of sky, floor and boards, PNG or Radiance files, into textures."""
         self.pictures = {key: texture for key, texture in self.pictures.items() if key in files.items()}
         for key in files.items():
             if key not in self.pictures:
                 texture = self._texture(key[1])
                 texture.repeat_x, texture.repeat_y = True, key[0] == "floor"
                 self.pictures[key] = texture
-            self.pictures[key].use({"sky": 2, "floor": 3}[key[0]])
+            self.pictures[key].use({"sky": 2, "floor": 3, "cards": 4}[key[0]])
 
     def _texture(self, file: bytes) -> Any:  # noqa: ANN401  (moderngl's)
         if file.startswith(hdr.MARK):

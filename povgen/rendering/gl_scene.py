@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from povgen.rendering.volumes import GRID, Volume
 from povgen.scene import shader
 from povgen.scene.laws import to_live
-from povgen.scene.scenes import Scene, pieces
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import pieces
 from povgen.scene.sdl import to_glsl
 from povgen.scene.survey import Survey
 
@@ -35,6 +36,6 @@ def to_text(
             "uniforms": shader.uniforms(scene, names, places, found),
             "volumes": [field._asdict() for field in fields.values()],
             "grid": GRID,
-            "pictures": {part: picture.file.name for part, picture in shader.surroundings(scene).items()},
+            "pictures": {part: file.name for part, file in shader.pictures(scene).items()},
         }
     )

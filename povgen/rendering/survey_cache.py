@@ -13,7 +13,7 @@ from povgen import limits, optics, sheets
 from povgen.rendering import cache
 from povgen.rendering.parallel import computed, cores
 from povgen.scene import scenes, survey, windows
-from povgen.scene.scenes import Scene
+from povgen.scene.scene import Scene
 
 MOST = 16  # processes that make surveys at once
 EACH = 24  # surveys, at least, for each process: its start takes as long as about 15 surveys
@@ -35,7 +35,7 @@ def found(scene: Scene, store: bool = False) -> survey.Survey | None:
     return made
 
 
-def _key(given: survey.SurveyInputs) -> str:
+def _key(given: survey.SurveyInputs | survey.RoomInputs) -> str:
     return f"{_code_of_trace()}\0{given}"
 
 

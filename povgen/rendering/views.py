@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from povgen.errors import InputError, shown
 from povgen.inputs.hdr import encoded
 from povgen.rendering.light import Picture, linear
-from povgen.scene.scenes import SCENES, Scene
+from povgen.scene.scene import SCENES, Scene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw

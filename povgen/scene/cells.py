@@ -8,7 +8,7 @@ import numpy as np
 from povgen.limits import MAX_CAMERA_ERROR, MAX_CELLS
 from povgen.optics import equations
 from povgen.optics.equations import Complexes, Floats
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import AxialScene
 
 _CELLS = 16  # across the window, for the first estimate of the error
 # With the template "law" and several windows: the least number of cells across the first window. With fewer, a
@@ -30,7 +30,7 @@ class Jumps(NamedTuple):
     tolerance: float = 0.0
 
 
-def template(scene: Scene) -> str:
+def template(scene: AxialScene) -> str:
     """Return the name of the template of the camera that simulates the ideal windows.
 
     "": no ideal window has a sheet, and POV-Ray's own camera is used. "series": there are several ideal windows, and
@@ -42,12 +42,12 @@ def template(scene: Scene) -> str:
     return "series" if len(scene.ideal) > 1 and _rotates(scene) else "law"
 
 
-def _rotates(scene: Scene) -> bool:
+def _rotates(scene: AxialScene) -> bool:
     """Whether all ideal windows only rotate light."""
     return all(sheet.rotates for sheet in scene.ideal)
 
 
-def camera_cells(scene: Scene) -> int:
+def camera_cells(scene: AxialScene) -> int:
     """Return the number of cells across the window in which the ideal sheets' camera interpolates rays.
 
     It is the least number that keeps the error below MAX_CAMERA_ERROR, but at most MAX_CELLS. For laws that do not only
@@ -68,7 +68,7 @@ def camera_cells(scene: Scene) -> int:
     )
 
 
-def grid_error(scene: Scene, cells: int) -> float:
+def grid_error(scene: AxialScene, cells: int) -> float:
     """Return the greatest error of an object's position in the ideal sheet's camera, in pixels of 1280x960.
 
     The windows only rotate light. The error is that of an eye off the axis, or of several windows; otherwise the
@@ -88,7 +88,7 @@ def grid_error(scene: Scene, cells: int) -> float:
     return displaced * float(P.max() if len(P) else 1) / scene.view * 960
 
 
-def jumps(scene: Scene) -> Jumps:
+def jumps(scene: AxialScene) -> Jumps:
     """Return where rays jump. Through windows that only rotate light no ray jumps.
 
     Where a law jumps, interpolation is as wrong in a small cell as in a large one. Here, MAX_CELLS cells across the
@@ -127,12 +127,12 @@ def jumps(scene: Scene) -> Jumps:
     return Jumps(share, scene.aperture * sqrt(share) / 160 if 0 < share < 0.25 else inf, farthest, tolerance)
 
 
-def is_dark(scene: Scene) -> bool:
+def is_dark(scene: AxialScene) -> bool:
     """Whether no light passes the ideal windows."""
     return bool(np.isnan(_behind(scene, MAX_CELLS)[1]).all())
 
 
-def _cells_of_laws(scene: Scene) -> int:
+def _cells_of_laws(scene: AxialScene) -> int:
     """Return the cells across the window that keep the camera's error below MAX_CAMERA_ERROR, at most MAX_CELLS.
 
     The error is computed with 16 cells across the window. With n cells it falls as 1/n^2 if the law is smooth. If a law
@@ -153,7 +153,7 @@ def _cells_of_laws(scene: Scene) -> int:
     return max(least, cells)
 
 
-def _is_exact(scene: Scene) -> bool:
+def _is_exact(scene: AxialScene) -> bool:
     """Whether interpolation between the window's corners is exact."""
     start, unit = _behind(scene, 1)
     share = np.linspace(0.05, 0.95, 7)
@@ -173,7 +173,7 @@ def _is_exact(scene: Scene) -> bool:
     return bool((off < 1e-8).all() and (abs(shown_start - exact_start) < 1e-8).all())
 
 
-def _law_error(scene: Scene, n: int) -> float:
+def _law_error(scene: AxialScene, n: int) -> float:
     """Return the error of an object's position with n cells across the window, in pixels of 1280x960.
 
     It is computed in the middle of the cells' diagonals. Of all cells, the worst 2 % are left out. Of all objects, the
@@ -205,7 +205,7 @@ def _law_error(scene: Scene, n: int) -> float:
     return worst / scene.view * 960
 
 
-def _behind(scene: Scene, n: int) -> tuple[Complexes, Floats]:
+def _behind(scene: AxialScene, n: int) -> tuple[Complexes, Floats]:
     """Return where lines of sight through the corners of n x n cells of the first window go.
 
     The results are the lines' places (n + 1, n + 1), x + iy in tiles, at the last ideal window, and their unit
@@ -215,7 +215,7 @@ def _behind(scene: Scene, n: int) -> tuple[Complexes, Floats]:
     return _behind_points(scene, side + 1j * side[:, None])
 
 
-def _behind_points(scene: Scene, P: Complexes) -> tuple[Complexes, Floats]:
+def _behind_points(scene: AxialScene, P: Complexes) -> tuple[Complexes, Floats]:
     """Return places and directions as `_behind` does, for lines of sight through the points P of the first window."""
     P = P + (1.1e-9 + 0.7e-9j)  # as in camera/law.pov.j2: a law may divide by 0 on a line of symmetry, such as X = 0
     view, z = P - scene.E, -scene.z2

@@ -1,14 +1,21 @@
 """Checks of a scene's parameters together. Each raises ValueError with what is wrong and what is allowed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import pairwise
+from itertools import combinations, pairwise
+from typing import Any
+
+import numpy as np
 
 from povgen.errors import at_least, at_most, shown
+from povgen.objects.piece import Piece
+from povgen.objects.placed import Placed
+from povgen.objects.window import Window
 from povgen.optics import glasses
+from povgen.optics.equations import Floats
 from povgen.optics.prism import Prism
 from povgen.scene.model import EyeAndWindows
-from povgen.scene.windows import Window, has_glass
+from povgen.scene.windows import FurtherWindow, has_glass
 from povgen.sheets.law_grammar import Law
 from povgen.sheets.layered import Layered
 from povgen.sheets.lenticular import Lenticular
@@ -25,9 +32,9 @@ def check(scene: EyeAndWindows) -> None:
     _find_indices(scene)
     for number, (window, sheet) in enumerate(zip(scene.parameter_sets, scene.sheets, strict=True), 1):
         with _named(number):
-            _check_shape(scene, window, sheet)
-            _check_depth(scene, sheet)
-            _check_law(scene, window)
+            _check_shape(scene.values_of(window, SHAPE), window is scene, window, sheet)
+            _check_depth(sheet, bool(scene.window))
+            _check_law(*scene.values_of(window, ("law", "parameter")).values())
     _check_places(scene)
 
 
@@ -57,7 +64,7 @@ def _named(number: int) -> Iterator[None]:
         raise ValueError(f"window {number}, {error}" if number > 1 else str(error)) from None
 
 
-def _index_of(window: EyeAndWindows | Window, wavelength: float) -> float | None:
+def _index_of(window: EyeAndWindows | FurtherWindow | Window, wavelength: float) -> float | None:
     """Return the refractive index of a window's prisms, or None if the window uses that of the first window."""
     given: float | None = window.index
     if not has_glass(window):
@@ -76,7 +83,7 @@ def _find_indices(scene: EyeAndWindows) -> None:
     """Set the index of named glasses for light. Checks, renderers and predictions then need the index alone."""
     object.__setattr__(scene, "index", _index_of(scene, scene.wavelength))  # the model is frozen
     scene.model_fields_set.discard("index" if scene.glass != "none" else "")
-    found: list[Window] = []
+    found: list[FurtherWindow] = []
     for number, window in enumerate(scene.window, 2):
         own = window.model_copy()
         if own.glass is None and own.index is not None:  # else it would get the first window's glass, and its index
@@ -94,8 +101,9 @@ def _find_indices(scene: EyeAndWindows) -> None:
             raise ValueError(_for_no_glass(name, value))
 
 
-def _check_shape(scene: EyeAndWindows, window: EyeAndWindows | Window, sheet: Sheet) -> None:
-    values, is_first = scene.values_of(window, SHAPE), window is scene
+def _check_shape(
+    values: Mapping[str, Any], is_first: bool, window: EyeAndWindows | FurtherWindow | Window, sheet: Sheet
+) -> None:
     if not is_first and window.design_wavelength is not None and values["glass"] == "none":
         raise ValueError(_for_no_glass("design_wavelength", window.design_wavelength))
     planned = Prism(1.0, design_index(values), values["base_angle"], aspect=values["aspect"])
@@ -110,25 +118,24 @@ def _check_shape(scene: EyeAndWindows, window: EyeAndWindows | Window, sheet: Sh
         )
 
 
-def _check_depth(scene: EyeAndWindows, sheet: Sheet) -> None:
+def _check_depth(sheet: Sheet, is_one_of_several: bool) -> None:
     if isinstance(sheet, (PrismPair, Lenticular)):
         sheet.check_errors()
     depth = sheet.depth  # raises for lenses of a shape that does not exist
-    if not sheet.is_exact and scene.window:
+    if not sheet.is_exact and is_one_of_several:
         raise ValueError("error: only for a single window; allowed: no errors with --window")
     if depth > MAX_DEPTH:
         assert isinstance(sheet, Layered)  # others have no depth
         what = "prisms" if isinstance(sheet, Prisms) else "profile"
         raise ValueError(
             f"{sheet.counted} = {sheet.values[sheet.counted]}: with this shape of the {what} and "
-            f"aperture = {scene.aperture:g} the sheets would be {depth:.4g} tiles deep; "
+            f"a window of {sheet.aperture:g} tiles the sheets would be {depth:.4g} tiles deep; "
             f"allowed: up to {MAX_DEPTH} tiles, as with more {sheet.counted}"
         )
 
 
-def _check_law(scene: EyeAndWindows, window: EyeAndWindows | Window) -> None:
+def _check_law(text: str, parameters: dict[str, float]) -> None:
     """Check a window's law, even if its sheet has none."""
-    text, parameters = scene.values_of(window, ("law", "parameter")).values()
     try:
         Law(text, parameters).check_divisions(parameters)
     except ValueError as error:
@@ -153,3 +160,62 @@ def _check_places(scene: EyeAndWindows) -> None:
             "window: prisms or lenses before an ideal sheet, or before an empty window: POV-Ray's camera simulates "
             "these, in front of all prisms; allowed: prisms and lenses in the last windows"
         )
+
+
+# ---- Rooms
+
+
+def with_index(window: Window, wavelength: float) -> Window:
+    """Return a room's window, checked, with the index of its glass for this wavelength."""
+    made = window.model_copy()
+    object.__setattr__(made, "index", _index_of(made, wavelength))  # the model is frozen
+    if has_glass(made):  # the index is found, not given
+        made.model_fields_set.discard("index")
+    elif made.design_wavelength != WAVELENGTH:
+        raise ValueError(_for_no_glass("design_wavelength", made.design_wavelength))
+    sheet = made.optics
+    _check_shape({name: getattr(made, name) for name in SHAPE}, True, made, sheet)
+    _check_depth(sheet, False)
+    _check_law(made.law, made.parameter)
+    return made
+
+
+def check_apart(things: Mapping[str, Placed], eye: Sequence[float]) -> None:
+    """Check that no two of a room's objects and windows overlap, and that the eye is in none of them.
+
+    Boxes around them are compared. Edges and sides may touch.
+    """
+    boxes = {name: _box(thing) for name, thing in things.items() if thing.box != ((0, 0, 0), (0, 0, 0))}  # no floor
+    for name, (middle, axes, half) in boxes.items():
+        if (abs(axes @ (np.asarray(eye) - middle)) < half).all() and not isinstance(things[name], Piece):
+            place = ", ".join(f"{x:g}" for x in eye)
+            raise ValueError(f"eye = {place}: inside {name}; allowed: outside all objects and windows")
+    for (one, a), (other, b) in combinations(boxes.items(), 2):
+        if (depth := _overlap(a, b)) > 1e-6:
+            here, there = (", ".join(f"{x:g}" for x in things[name].pose[:3]) for name in (one, other))
+            raise ValueError(
+                f"{one}, at {here}, and {other}, at {there}: they overlap by {depth:.3g} tiles; allowed: at least so "
+                "far apart, or turned otherwise"
+            )
+
+
+Solid = tuple[Floats, Floats, Floats]  # the middle of a box (3,), its axes as rows (3, 3), half its sides (3,)
+
+
+def _box(thing: Placed) -> Solid:
+    lower, upper = np.array(thing.box)
+    axes = thing.pose.axes
+    return thing.pose.place + (lower + upper) / 2 @ axes, axes, (upper - lower) / 2
+
+
+def _overlap(a: Solid, b: Solid) -> float:
+    """Return by how much two boxes overlap, at least, along any axis that could separate them; 0: not at all.
+
+    By the theorem of the separating axis: normals of both boxes' faces, and their cross products.
+    """
+    (p, u, g), (q, v, h) = a, b
+    across = np.cross(u[:, None], v[None]).reshape(-1, 3)
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    axes = np.concatenate((u, v, across[length[:, 0] > 1e-9] / length[length[:, 0] > 1e-9]))
+    reach = abs(axes @ u.T) @ g + abs(axes @ v.T) @ h
+    return float(max(0, (reach - abs(axes @ (q - p))).min()))

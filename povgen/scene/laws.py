@@ -4,7 +4,8 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
-from povgen.scene.scenes import Scene
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import AxialScene
 from povgen.scene.windows import Placed
 from povgen.sheets import IDEAL
 from povgen.sheets.law_grammar import FUNCTIONS, Law
@@ -29,7 +30,7 @@ class Functions(NamedTuple):
     expressions: list[str]  # for the components x, y and z of the ray's direction behind the sheet
 
 
-def to_pov(scene: Scene) -> list[Functions]:
+def to_pov(scene: AxialScene) -> list[Functions]:
     """Return the laws of a scene's ideal windows, as functions of POV-Ray of x, y, z, X and Y (`sheets.law_grammar`).
 
     In the names of parameters, each word has a capital letter: Alpha, FocalLength, AxisX. For window 2 they end with
@@ -40,7 +41,7 @@ def to_pov(scene: Scene) -> list[Functions]:
 
 def _functions(number: int, window: Placed) -> Functions:
     sheet = window.sheet
-    assert isinstance(sheet, Ideal)  # `Scene` allows windows of glass only behind ideal ones
+    assert isinstance(sheet, Ideal)  # `AxialScene` allows windows of glass only behind ideal ones
     suffix, where = (f"_{number}", f" of window {number}") if number > 1 else ("", "")
     names: dict[str, str] = {}
     lines = []

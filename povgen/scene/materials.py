@@ -39,6 +39,7 @@ COLOUR_MAPS = {
     },
 }
 LIP = "0.85, 0.58, 0.22"  # the metal at the frame's opening
+CARD_BACK = "0.55, 0.52, 0.48"  # the back and the edges of a board with a picture
 WOOD = {"0": "0.78, 0.70, 0.62", "0.4": "0.95, 0.92, 0.89", "1": "1"}  # factors of the piece's colour, sRGB
 
 # ambient, diffuse, specular, roughness
@@ -48,6 +49,7 @@ FINISHES = {
     "lip": ("0.2", "0.55", "0.8", "0.04"),
     "plinth": ("0.12", "0.75", "0.2", "0.03"),
     "wood": ("0.14", "0.78", "0.7", "0.018"),
+    "card": ("0.22", "0.75", "0", "0.05"),
     "sphere": ("0.15", "0.75", "0.5", "0.02"),
 }
 

@@ -9,38 +9,36 @@ from collections.abc import Iterable
 from functools import cached_property
 from itertools import pairwise
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
-from povgen import limits
-from povgen.inputs import pictures
-from povgen.inputs.fields import PictureFile, Point
+from povgen.inputs.fields import Point
 from povgen.objects.sheet_fields import ParametersOfSheets, SheetName
 from povgen.optics import apparent
 from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
 from povgen.optics.rays import Opening
+from povgen.scene.camera import Camera
+from povgen.scene.scene import Scene
 from povgen.scene.windows import (
     WINDOW,
+    FurtherWindow,
     Placed,
-    Window,
     Windows,
     as_windows,
     replaced_by,
 )
 from povgen.sheets import SHEETS
-from povgen.sheets.layered import Layered
-from povgen.sheets.parameters import WAVELENGTH
 from povgen.sheets.prisms import SHAPE, shape_of
-from povgen.sheets.sheet import Ideal, Sheet
+from povgen.sheets.sheet import Sheet
 
 APERTURE = 3.0  # the default side of the window, tiles
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
 MAX_VIEW = 100
 
 
-class EyeAndWindows(ParametersOfSheets):
+class EyeAndWindows(Scene, ParametersOfSheets):
     """The eye, the windows and the sheets in them: what all scenes share. The parameters of the sheets come first."""
 
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
@@ -51,14 +49,6 @@ class EyeAndWindows(ParametersOfSheets):
         description=f"model of the sheets: {', '.join(SHEETS)}",
     )
     window: Windows = Field(default=(), description=WINDOW)
-    wavelength: Annotated[float, Field(ge=180, le=10000)] = Field(
-        default=WAVELENGTH,
-        description="wavelength of light, for the index of a glass, 180 to 10000 nm; "
-        "the picture's colours do not change",
-    )
-    fresnel: bool = Field(
-        default=False, description="partial reflection at every face of the prisms; takes 4 to 13 times as long"
-    )
     aperture: Annotated[float, Field(ge=0.5, le=10)] = Field(
         default=APERTURE,
         description="side of the square window, 0.5 to 10 tiles; in chess, the floor with all on it moves with the "
@@ -74,22 +64,10 @@ class EyeAndWindows(ParametersOfSheets):
         description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles; the objects and "
         "the window stay, and the window stays in the middle of the picture",
     )
-    background: Literal["sky", "transparent", "black", "white"] = Field(
-        default="sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
-    )
-
-    sky: Annotated[PictureFile | None, BeforeValidator(pictures.sky)] = Field(
-        default=None,
-        description="mountains (povgen's own), or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
-        "file, equirectangular, whose middle is straight ahead; with background = sky",
-    )
-
     if TYPE_CHECKING:  # the names of changes are those of the parameters
 
         @property
         def replace(self) -> type[Self]: ...
-
-    rim: ClassVar[float] = 0.15  # width of the window frame's sides, tiles
 
     @property
     def E(self) -> complex:
@@ -102,11 +80,11 @@ class EyeAndWindows(ParametersOfSheets):
         return shape_of(self.values_of(self, SHAPE), self.aperture / self.prisms)
 
     @property
-    def parameter_sets(self) -> "tuple[EyeAndWindows | Window, ...]":
+    def parameter_sets(self) -> "tuple[EyeAndWindows | FurtherWindow, ...]":
         """What states the parameters of each window, the first one first: the scene, and each further `Window`."""
         return self, *self.window
 
-    def values_of(self, window: "EyeAndWindows | Window", names: Iterable[str]) -> dict[str, Any]:
+    def values_of(self, window: "EyeAndWindows | FurtherWindow", names: Iterable[str]) -> dict[str, Any]:
         """Return parameters of one of `parameter_sets`. What it does not state is the first window's."""
         return {name: getattr(self, name) if (own := getattr(window, name)) is None else own for name in names}
 
@@ -114,7 +92,7 @@ class EyeAndWindows(ParametersOfSheets):
     def windows(self) -> tuple[Placed, ...]:
         """The windows, the nearest to the eye first, each with its sheet."""
 
-        def sheet(window: EyeAndWindows | Window) -> Sheet:
+        def sheet(window: EyeAndWindows | FurtherWindow) -> Sheet:
             kind = SHEETS[window.sheet or self.sheet]
             return kind(self.values_of(window, [each.name for each in kind.parameters]), self.aperture)
 
@@ -155,29 +133,13 @@ class EyeAndWindows(ParametersOfSheets):
         return [(b - a, sheet) for (a, b), sheet in zip(pairwise((-self.z2, *self.places)), self.sheets, strict=True)]
 
     @property
+    def camera(self) -> Camera:
+        return Camera((*self.eye, -self.z2), (0, 0, 0), (1, 0, 0), (0, 1, 0), self.view)
+
+    @property
     def openings(self) -> list[Opening]:
         """The windows as in `optics.rays`."""
         return [Opening(Pose(z=z), sheet, self.depth) for z, sheet in self.windows]
-
-    @property
-    def layered(self) -> tuple[Layered, ...]:
-        """The sheets of prisms or lenses, the nearest to the eye first. Ideal ones stand before them."""
-        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Layered))
-
-    @property
-    def ideal(self) -> tuple[Ideal, ...]:
-        """The ideal sheets, the first one first. They are nearer to the eye than windows of prisms."""
-        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Ideal))
-
-    @property
-    def has_prisms(self) -> bool:
-        """Whether the sheets of a window consist of prisms, or of lenses."""
-        return bool(self.layered)
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether no window has a sheet."""
-        return {sheet.name for sheet in self.sheets} == {"none"}
 
     @property
     def depth(self) -> float:
@@ -197,11 +159,6 @@ class EyeAndWindows(ParametersOfSheets):
             for eye, shape in ((self.E.imag, 1), (self.E.real, 4 / 3)):
                 reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / shape)
         return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
-
-    @property
-    def tile(self) -> int:
-        """POV-Ray's units per tile."""
-        return limits.units_per_tile(min((sheet.pitch for sheet in self.layered), default=1))
 
     def _replaced_by(self, changes: dict[str, object]) -> set[str]:
         if "window" not in changes:

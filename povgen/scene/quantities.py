@@ -12,8 +12,7 @@ import numpy as np
 
 from povgen.optics.rays import Convergence
 from povgen.optics.shares import Shares, shares
-from povgen.scene import camera
-from povgen.scene.scenes import Scene
+from povgen.scene.scenes import AxialScene
 from povgen.sheets.sheet import Said
 
 MIN_RAYS = 100  # with fewer rays on the designed path, the object counts as not seen
@@ -36,17 +35,17 @@ SECOND, LATER = Said("windows {} apart"), Said("window {number} at {}")
 class Quantity(NamedTuple):
     """A number of a scene."""
 
-    of: Callable[[Scene], float]
+    of: Callable[[AxialScene], float]
     unit: str
     text: str
 
 
 @lru_cache(1)  # one trace for all quantities
-def _shares(scene: Scene) -> Shares:
+def _shares(scene: AxialScene) -> Shares:
     """Return what becomes of rays from the eye to random points of the front opening of the first window's frame."""
     x, y = scene.aperture * (np.random.default_rng(1).uniform(size=(2, RAYS)) - 0.5)
     P = scene.E + (x + 1j * y - scene.E) / (1 - scene.depth / 2 / scene.z2)
-    return shares(scene.trace(camera.through(scene, P)), "black" in _tops(scene))
+    return shares(scene.trace(scene.camera.through(P)), "black" in _tops(scene))
 
 
 class TracedImage(NamedTuple):
@@ -64,7 +63,7 @@ NOT_SEEN = TracedImage(complex(np.nan, np.nan), np.nan, np.nan, np.nan)
 
 
 @lru_cache(1)
-def traced_image(scene: Scene) -> TracedImage:
+def traced_image(scene: AxialScene) -> TracedImage:
     """Return the first object as the eye sees it: NaN if too little light on the designed path shows it.
 
     If it appears at infinity, M is infinite. Rays from the eye pass random points of a disc around the object's
@@ -78,7 +77,7 @@ def traced_image(scene: Scene) -> TracedImage:
     pitch = max((layer.shape.pitch for sheet in scene.sheets for layer in sheet.layers_at(0.0, 0)), default=0.0)
     radius, turn = np.random.default_rng(1).uniform(size=(2, RAYS))
     step = max(0.1, 8 * pitch) * np.sqrt(radius) * np.exp(2j * np.pi * turn)
-    light = scene.trace(camera.through(scene, centre + step))
+    light = scene.trace(scene.camera.through(centre + step))
     step, place = step[light.designed], light[light.designed].at(scene.places[-1] + z1) - L
     if len(step) < MIN_RAYS:
         return NOT_SEEN
@@ -99,17 +98,17 @@ def traced_image(scene: Scene) -> TracedImage:
     )
 
 
-def _tops(scene: Scene) -> set[str]:
+def _tops(scene: AxialScene) -> set[str]:
     return {sheet.values.get("tops", "clear") for sheet in scene.layered}
 
 
-def _stray(scene: Scene) -> float:
+def _stray(scene: AxialScene) -> float:
     """Return the share of stray light. NaN if only some windows have black tops: `shares` cannot compute this case."""
     return _shares(scene).stray if len(_tops(scene)) < 2 else np.nan
 
 
 @lru_cache(1)
-def _convergence(scene: Scene) -> Convergence:
+def _convergence(scene: AxialScene) -> Convergence:
     """Return where the first object's light that takes the designed path through the windows is closest together."""
     L, z1 = scene.objects[0]
     light = scene.trace(scene.pencil((L.real, L.imag, scene.places[-1] + z1), RAYS))
@@ -117,7 +116,7 @@ def _convergence(scene: Scene) -> Convergence:
     return light.convergence() if len(light.end) > 1 else Convergence(*[np.nan] * 4)
 
 
-def _position(scene: Scene) -> complex:
+def _position(scene: AxialScene) -> complex:
     """Return where the first object appears. At infinity it has no place: NaN."""
     L, z1 = scene.objects[0]
     found = complex(scene.apparent_position(L, z1))
@@ -154,7 +153,7 @@ QUANTITIES = {
 }
 
 
-def parameters(scene: Scene) -> dict[str, object]:
+def parameters(scene: AxialScene) -> dict[str, object]:
     """Return a scene's parameters by names such as alpha, eye_x, window2_z and z1_2, which is z1 of the second object.
 
     The values are numbers, texts, True and False. Parameters that are None are left out.

@@ -4,18 +4,18 @@ Lengths and angles are as in `povgen.scene.model`. z1 is the distance of an obje
 window.
 """
 
-import time
 from cmath import isfinite
 from collections.abc import Iterable, Sequence
-from itertools import combinations, islice
+from functools import cached_property
+from itertools import combinations
 from math import hypot
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self
 
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
-from povgen.errors import InputError, at_least, input_errors, one_line, shown
+from povgen.errors import at_least, input_errors
 from povgen.inputs import pictures
 from povgen.inputs.fields import (
     Z1,
@@ -23,20 +23,23 @@ from povgen.inputs.fields import (
     Colour,
     OneOrMore,
     PictureFile,
-    PictureSize,
     PieceValue,
     Point,
     as_tuple,
-    rgb,
 )
 from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PIECES, PieceFile, radius
-from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot, trace_windows
+from povgen.objects.floor import Floor
+from povgen.objects.pedestal import Pedestal
+from povgen.objects.piece import Piece
+from povgen.objects.scene_object import Parts, SceneObject
+from povgen.objects.sphere import Sphere
+from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot
 from povgen.optics.trace import End
-from povgen.record import Record, in_use, info
-from povgen.scene import camera, checks
+from povgen.scene import checks
 from povgen.scene.predictions import Predicted
-from povgen.scene.windows import Window
+from povgen.scene.scene import SCENES, Scene
+from povgen.scene.windows import FurtherWindow
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import as_flag
 
@@ -44,11 +47,8 @@ PATIENCE = 120  # CPU seconds in which a record's frames are checked; 10,000 fra
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 
 
-class Scene(Predicted):
-    """What all scenes share: the eye, the windows and the sheets in them. The parameters of the sheets come first."""
-
-    name: ClassVar[str]
-    subject: ClassVar[str]
+class AxialScene(Predicted):
+    """A scene whose windows stand one behind the other on one axis."""
 
     if TYPE_CHECKING:  # each scene defines L of its first object, and L and z1 of every one; L is projected onto z = 0
 
@@ -57,28 +57,6 @@ class Scene(Predicted):
 
         @property
         def objects(self) -> tuple[tuple[complex, float], ...]: ...
-
-    @classmethod
-    def from_file(cls, path: object) -> Self:
-        """Return the scene of a picture's file, with every parameter. It has the class that the file states.
-
-        Raises InputError for a file that povgen did not write, for a movie, and for a scene of another class.
-        """
-        first, *others = cls.list_from_file(path)
-        if others:
-            raise InputError(
-                f"{str(path)!r}: a movie of {len(others) + 1} frames; allowed: a picture, or list_from_file"
-            )
-        return first
-
-    @classmethod
-    def list_from_file(cls, path: object) -> list[Self]:
-        """Return the scene of every frame of a movie's file, or the one of a picture's file, with every parameter.
-
-        Raises InputError for a file that povgen did not write, and for scenes of another class.
-        """
-        _, scenes = recorded(path, cls)
-        return scenes
 
     @property
     def distances(self) -> tuple[float, ...]:
@@ -89,24 +67,6 @@ class Scene(Predicted):
     def radii(self) -> tuple[float, ...]:
         """The radius of every object, tiles. The radius of a piece is that of its foot."""
         return (0.0,) * len(self.objects)
-
-    @property
-    def outlines(self) -> tuple[str, ...]:
-        """The names of the parameters that draw an outline on the picture, and are true."""
-        return ()
-
-    @input_errors()
-    def rays(self, size: str | Sequence[int]) -> Bundle:
-        """Return a ray from the eye for each pixel of a picture: `size` is its width and height, or text as '64x48'.
-
-        The rays' positions, in tiles, and their unit directions are arrays (height, width, 3). The first row is the top
-        one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE, and for
-        more than 40 million pixels.
-        """
-        width, height = PictureSize(size=size).size
-        if width * height > AT_ONCE:
-            raise InputError(f"size = {width}x{height}: allowed: up to {AT_ONCE} rays at once")
-        return camera.bundle(self, (width, height))
 
     @input_errors()
     def pencil(
@@ -124,17 +84,9 @@ class Scene(Predicted):
         radius = self.aperture / 2 if radius is None else radius
         return joined(pencil(self.openings, point, count, middle, radius, seed))
 
-    @input_errors()
     def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None) -> Traced:
-        """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
-
-        Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
-        generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
-        Otherwise reflection is only total. Rays that do not pass every window end as `End.BESIDE`. Raises InputError
-        for a ray that starts inside a window's sheets, and for a `max_faces` that is not a whole number from 1 to
-        100,000.
-        """
-        found = trace_windows(rays, self.openings, max_faces, partial)
+        """Follow rays as `Scene.trace` does. Rays that do not pass every window end as `End.BESIDE`."""
+        found = super().trace(rays, max_faces, partial)
         passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(self.windows))
         found.end[(found.end <= End.BACK) & ~passed] = End.BESIDE
         found.designed &= found.end == End.THROUGH
@@ -176,11 +128,11 @@ class Standing(NamedTuple):
     piece: str | PieceFile
     x: float
     z1: float
-    colour: tuple[float, float, float]  # red, green and blue (sRGB), 0 to 1
+    color: str
     radius: float  # of the foot
 
 
-class Chess(Scene):
+class Chess(AxialScene):
     """Chess pieces on pedestals, seen through the window (figures 3 and 4). L is the centre of a foot.
 
     Pedestals and window frame stand on a chessboard floor.
@@ -228,9 +180,24 @@ class Chess(Scene):
         values = [as_tuple(value) for value in (self.piece, self.x, self.z1, self.color)]
         count = max(map(len, values))
         shared = [value * count if len(value) == 1 else value for value in values]
-        return tuple(
-            Standing(piece, x, z1, rgb(color), radius(piece)) for piece, x, z1, color in zip(*shared, strict=True)
-        )
+        return tuple(Standing(piece, x, z1, color, radius(piece)) for piece, x, z1, color in zip(*shared, strict=True))
+
+    @cached_property
+    def contents(self) -> Sequence[SceneObject]:
+        # without checks, which the scene's own ranges replace
+        floor = [] if self.floor == "none" else [Floor.model_construct(y=self.floor_y, file=self.floor)]
+        y, last = self.floor_y, self.places[-1]
+        pedestals = [
+            Pedestal.model_construct(
+                x=each.x, y=y, z=last + each.z1, width=2 * (each.radius + PEDESTAL_EDGE), height=self.pedestal
+            )
+            for each in self.pieces
+        ]
+        pieces = [
+            Piece.model_construct(x=each.x, y=y + self.pedestal, z=last + each.z1, piece=each.piece, color=each.color)
+            for each in self.pieces
+        ]
+        return [*floor, *(pedestals if self.pedestal else ()), *pieces]
 
     @property
     def L(self) -> complex:
@@ -300,7 +267,16 @@ class Chess(Scene):
         return self
 
 
-class Spheres(Scene):
+class InRow(Sphere):
+    """A sphere of a row, whose colour follows from its number."""
+
+    share: float = Field(description="its number in the row, from 0, divided by that of all spheres")
+
+    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
+        return self.radius, self.share, 0, 0
+
+
+class Spheres(AxialScene):
     """Coloured spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""
 
     name: ClassVar[str] = "spheres"
@@ -317,6 +293,14 @@ class Spheres(Scene):
         default=(-0.8, 0),
         description="the line of the spheres as X,Y from the window's centre, to the right and up, -10 to 10 tiles",
     )
+
+    @cached_property
+    def contents(self) -> Sequence[SceneObject]:
+        count, last = len(self.objects), self.places[-1]
+        return [
+            InRow.model_construct(x=L.real, y=L.imag, z=last + z1, radius=radius, share=number / count)
+            for number, ((L, z1), radius) in enumerate(zip(self.objects, self.radii, strict=True))
+        ]
 
     @property
     def L(self) -> complex:
@@ -359,34 +343,16 @@ class Spheres(Scene):
         return self
 
 
-def checked_scene(scene: object) -> Scene:
-    """Return the scene. Raises InputError if it is none."""
-    if not isinstance(scene, Scene) or not hasattr(scene, "name"):  # `Scene` itself has no name
-        raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: Chess(...) or Spheres(...)")
-    return scene
-
-
-def checked_scenes(scenes: Iterable[object], most: int) -> list[Scene]:
-    """Return the scenes as a list. Raises InputError for more than `most`, as of an endless generator, or for no scene.
-
-    An empty list is allowed.
-    """
-    found = [checked_scene(scene) for scene in islice(scenes, most + 1)]
-    if len(found) > most:
-        raise InputError(f"more than {most} scenes; allowed: up to {most}")
-    return found
-
-
 def pieces(scene: Scene) -> dict[str, str | PieceFile]:
     """Return the pieces that a scene shows, by their names."""
-    return {str(standing.piece): standing.piece for standing in scene.pieces} if isinstance(scene, Chess) else {}
+    return {str(each.shape): each.shape for each in scene.contents if each.shape}
 
 
 def input_files(scenes: Iterable[Scene]) -> set[str]:
-    """Return the paths of the files that the scenes show: pieces, profiles, and pictures of sky and floor."""
+    """Return the paths of the files that the scenes show: pieces, profiles, and pictures."""
     found: set[str] = set()
     for scene in scenes:
-        parts = [*pieces(scene).values(), scene.sky, getattr(scene, "floor", None)]
+        parts = [*pieces(scene).values(), scene.sky, *(each.picture for each in scene.contents)]
         found |= {part.path for part in parts if isinstance(part, (PieceFile, Picture))}
         found |= {profile.path for profile in profile_files(scene)}
     return found
@@ -395,11 +361,13 @@ def input_files(scenes: Iterable[Scene]) -> set[str]:
 def with_seen_files(scene: Scene) -> Scene:
     """Return the scene without the files that it does not show: a sky behind another background, unused profiles."""
     used = [sheet.values.get("profile") for sheet in scene.sheets]
+    changes: dict[str, object] = {} if scene.background == "sky" else {"sky": None}
+    if not isinstance(scene, AxialScene):
+        return scene.model_copy(update=changes)
 
-    def unused(window: Scene | Window) -> bool:
+    def unused(window: AxialScene | FurtherWindow) -> bool:
         return isinstance(window.profile, ProfileFile) and window.profile not in used
 
-    changes: dict[str, object] = {} if scene.background == "sky" else {"sky": None}
     if unused(scene):
         changes["profile"] = type(scene).model_fields["profile"].default
     if any(map(unused, scene.window)):
@@ -407,7 +375,7 @@ def with_seen_files(scene: Scene) -> Scene:
     return scene.model_copy(update=changes)
 
 
-def used_parameters(scene: Scene) -> set[str]:
+def used_parameters(scene: AxialScene) -> set[str]:
     """Return the names of the sheets' parameters for which at least one window uses the scene's value."""
     windows = zip((None, *scene.window), scene.sheets, strict=True)
     named = ((window, each.name) for window, sheet in windows for each in sheet.parameters)
@@ -419,43 +387,4 @@ def profile_files(scene: Scene) -> list[ProfileFile]:
     return [window.profile for window in scene.parameter_sets if isinstance(window.profile, ProfileFile)]
 
 
-SCENES = {scene.name: scene for scene in (Chess, Spheres)}
-
-
-def recorded(path: Any, kind: type[Scene] = Scene) -> tuple[Record, list[Any]]:  # noqa: ANN401  (any object)
-    """Return the record in a file that povgen wrote, and the scene of every frame, of this class. Raises InputError."""
-    record = info(path)
-    try:
-        return record, of_record(record, kind)
-    except InputError as error:
-        raise InputError(f"{str(path)!r}: its record, of povgen {one_line(record.povgen)[:20]}: {error}") from None
-
-
-def of_record(record: Record, kind: type[Scene] = Scene) -> list[Scene]:
-    """Return the scene of every frame of a record, of this class. Raises InputError.
-
-    The record can be a stranger's: every value is checked, and no file is read.
-    """
-    known = {**SCENES, **({kind.name: kind} if hasattr(kind, "name") else {})}
-    known = {name: scene for name, scene in known.items() if issubclass(scene, kind)}
-    made: list[Scene] = []
-    end = time.process_time() + PATIENCE
-    with in_use(record):
-        for values in record.values:
-            if time.process_time() > end:
-                count = f"{len(made)} of {len(record.frames)} were checked within {PATIENCE} s"
-                raise InputError(f"frames: {count}; allowed: frames that take less time")
-            name, windows = values.get("scene"), values.get("window", [])
-            if not isinstance(name, str) or name not in known:
-                raise InputError(f"scene = {shown(name)}: allowed: {', '.join(known)}")
-            if not (isinstance(windows, list) and all(isinstance(window, dict) for window in windows)):
-                raise InputError(f"window = {shown(windows)}: should be a list of tables")
-            own = {key: value for key, value in values.items() if key != "scene"}
-            made.append(known[name](**_without_index(own | {"window": [*map(_without_index, windows)]})))
-    return made
-
-
-def _without_index(window: dict[str, Any]) -> dict[str, Any]:
-    """Return the values of a scene or of a window without the index if a glass is named: it follows from the glass."""
-    named = window.get("glass") not in (None, "none")
-    return {name: value for name, value in window.items() if not (named and name == "index")}
+SCENES |= {scene.name: scene for scene in (Chess, Spheres)}

@@ -18,12 +18,15 @@ from jinja2.bccache import Bucket
 from povgen import limits
 from povgen.errors import InputError
 from povgen.files import own_folder
+from povgen.inputs.fields import rgb
 from povgen.inputs.mesh import TALLEST
 from povgen.inputs.pieces import FILE_RADIUS, PieceFile
+from povgen.objects import OBJECTS
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene import cells, laws, materials
-from povgen.scene.scenes import PEDESTAL_EDGE, Scene, checked_scene
+from povgen.scene.scene import Scene, checked_scene
+from povgen.scene.scenes import PEDESTAL_EDGE
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.settings import Sampling
 from povgen.sheets import SHEETS
@@ -72,6 +75,7 @@ def _environment() -> Environment:
     environment.globals.update(
         version=__version__,
         raw=_raw,
+        rgb=rgb,
         parameter=_parameter,
         materials=materials,
         formula=formula,
@@ -260,8 +264,10 @@ def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
     if main in ("display", "share"):
         parts = [main]
     else:
-        parts = ["objects", "prisms", "materials", "laws", "view", main]
-    return "\n".join(_environment().get_template(f"liveview/{part}.glsl").render(laws=texts) for part in parts)
+        parts = ["windows", "materials", "objects", "prisms", "laws", "view", main]
+    objects = {kind.drawn_as or kind.kind: kind.glsl for kind in OBJECTS.values() if kind.glsl}
+    values = {"laws": texts, "objects": objects}
+    return "\n".join(_environment().get_template(f"liveview/{part}.glsl").render(values) for part in parts)
 
 
 def _input(file: str) -> str:

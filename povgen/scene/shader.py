@@ -1,30 +1,59 @@
 """What the live view's shaders are given for a scene: constants for the compiler, and uniforms.
 
-This module needs no file and no browser.
-povgen/liveview/values.js does the same in a page. Lengths are in tiles, angles of the result in radians.
+This module needs no browser. povgen/liveview/values.js does the same in a page. Lengths are in tiles, angles of the
+result in radians.
 """
 
 from collections.abc import Sequence
 from math import cos, radians, sin
-from typing import Any
+from typing import Any, NamedTuple
 
-from povgen.inputs.pictures import Picture
+from povgen.inputs.pictures import File, Picture
+from povgen.objects import OBJECTS
+from povgen.objects.board import Board, stacked
+from povgen.objects.scene_object import Parts, SceneObject
 from povgen.optics.faces import GlassSheet
+from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
+from povgen.optics.rays import Opening
 from povgen.scene.laws import Text, to_live
-from povgen.scene.model import EyeAndWindows
-from povgen.scene.scenes import PEDESTAL_EDGE, Chess, Scene, Spheres
+from povgen.scene.scene import Scene
 from povgen.scene.survey import Survey, max_trace_level
-from povgen.scene.windows import Window
 from povgen.sheets.layered import Layered
+from povgen.sheets.none import NoSheet
 from povgen.sheets.own import OwnLaw
-from povgen.sheets.prisms import SHAPE, shape_of
 from povgen.sheets.sheet import Ideal, Sheet
 
 BACKGROUNDS = ("sky", "black", "white", "transparent")  # their numbers in materials.glsl
-# The shader is compiled for at least this number of spheres, so that scenes with fewer can use the same shader.
-MOST_SPHERES = 11
+KINDS = [*dict.fromkeys(kind.drawn_as or name for name, kind in OBJECTS.items() if kind.glsl)]  # numbers in the shader
+# The shader is compiled for a multiple of so many objects, so that scenes with fewer can use the same shader.
+AT_ONCE = 4
+NO_WINDOW = Opening(Pose(), NoSheet({}, 1e-9))  # of a scene without windows: a shader has at least one
+
+
+class Cards(NamedTuple):
+    """The pictures on boards, one above the other in a single picture."""
+
+    file: File | None
+    pictures: Sequence[Picture]
+    places: Sequence[Sequence[float]]  # of each: left and upper edge, width and height, as parts of the whole
+
+
+def drawn(scene: Scene) -> list[SceneObject]:
+    """Return the objects that the shader's functions draw: all but the floor."""
+    return [each for each in scene.contents if each.glsl]
+
+
+def cards(scene: Scene) -> Cards:
+    """Return the pictures on the scene's boards, and where they are in the picture that has all of them."""
+    shown = [*dict.fromkeys(each.picture for each in drawn(scene) if isinstance(each, Board) and each.picture)]
+    if not shown:
+        return Cards(None, (), ())
+    wide, high = max(each.size[0] for each in shown), sum(each.size[1] for each in shown)
+    tops = [sum(each.size[1] for each in shown[:n]) for n in range(len(shown))]
+    places = [(0, top / high, each.size[0] / wide, each.size[1] / high) for top, each in zip(tops, shown, strict=True)]
+    return Cards(stacked(shown), shown, places)
 
 
 def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str, int | str]:
@@ -33,24 +62,38 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
     `names` are the names of the scene's different pieces (`scenes.pieces`). `grid` is the number of points of their
     distance fields along x, y and z.
     """
+    things = drawn(scene)
     found: dict[str, int | str] = {
-        "WINDOWS": len(scene.windows),
+        "WINDOWS": max(1, len(scene.openings)),
         "CONSTANTS": _constants(to_live([scene])),
-        "PIECES": len(scene.pieces) if isinstance(scene, Chess) else 0,
-        "SPHERES": max(MOST_SPHERES, len(scene.objects)) if isinstance(scene, Spheres) else 0,
+        "OBJECTS": -(-len(things) // AT_ONCE) * AT_ONCE,
         "VOLUMES": len(names),
         "GRID": ", ".join(map(str, grid)),
     }
-    if edges := [len(profile.edges) for profile in _profiles(scene) if profile]:
+    found |= {f"HAS_{each.drawn_as or each.kind}".upper(): 1 for each in things}
+    if edges := [len(profile.edges) for profile in map(_profile, scene.openings) if profile]:
         found["PROFILE_EDGES"] = max(edges)
+    if count := len(cards(scene).pictures):
+        found["CARDS"] = count
+    if any(any(opening.pose[3:]) for opening in scene.openings):
+        found["TURNED_WINDOWS"] = 1
+    if any(any(each.pose[3:]) for each in things):
+        found["TURNED_OBJECTS"] = 1
     found |= {f"{part.upper()}_PICTURE": 1 for part in surroundings(scene)}
     return found
 
 
 def surroundings(scene: Scene) -> dict[str, Picture]:
-    """Return the pictures that the scene shows: sky and floor."""
-    parts = {"sky": scene.sky if scene.background == "sky" else None, "floor": getattr(scene, "floor", None)}
+    """Return the pictures of sky and floor that the scene shows."""
+    floor = next((each.picture for each in scene.contents if each.kind == "floor"), None)
+    parts = {"sky": scene.sky if scene.background == "sky" else None, "floor": floor}
     return {name: part for name, part in parts.items() if isinstance(part, Picture)}
+
+
+def pictures(scene: Scene) -> dict[str, File]:
+    """Return the files of the pictures that the shader reads: those of sky and floor, and that of all boards."""
+    found = {part: picture.file for part, picture in surroundings(scene).items()}
+    return found | ({"cards": file} if (file := cards(scene).file) else {})
 
 
 def uniforms(
@@ -62,81 +105,91 @@ def uniforms(
     of its first point, from the centre of the foot, and the side of a voxel. `found` is the scene's survey; without it,
     rays are traced.
     """
-    laws = to_live([scene])
-    last = scene.places[-1]
-    pieces, pedestal = (scene.pieces, scene.pedestal) if isinstance(scene, Chess) else ((), 0.0)
-    spheres = scene.objects if isinstance(scene, Spheres) else ()
-    radii = scene.radii if spheres else ()
-    ball = [(L.real, L.imag, last + z1, radius) for (L, z1), radius in zip(spheres, radii, strict=True)]
-    floor = -(scene.aperture / 2 + scene.rim)
-    ground = surroundings(scene).get("floor")
+    camera, floor = scene.camera, next((each for each in scene.contents if each.kind == "floor"), None)
+    ground, boards = surroundings(scene).get("floor"), cards(scene)
     return {
-        "simulated": 0 if {sheet.name for sheet in scene.ideal} <= {"none"} else len(scene.ideal),
-        "kind": [_kind(sheet, laws) for sheet in scene.sheets],
-        "constants": [number for sheet in scene.sheets for number in _law_constants(sheet, _constants(laws))],
-        "eye": [*scene.eye, -scene.z2],
-        "viewHeight": scene.view,
+        "eye": camera.eye,
+        "viewMiddle": camera.middle,
+        "viewRight": camera.right,
+        "viewUp": camera.up,
+        "viewHeight": camera.height,
         "background": BACKGROUNDS.index(scene.background),
-        "window": scene.aperture,
-        "windowZ": scene.places,
-        "frameDepth": scene.depth,
         "frameRim": scene.rim,
-        "hasFloor": isinstance(scene, Chess) and scene.floor != "none",
+        "hasFloor": floor is not None,
         "skyPicture": 2,
         "floorPicture": 3,
+        "cardPictures": 4,
+        "cardPlace": boards.places,
         "floorTiles": ground.tiles if ground else (1, 1),
         "floorMean": ground.mean if ground else (0, 0, 0),
-        "floorY": floor,
+        "floorY": floor.y if floor else 0,
         "horizon": 1e7 / scene.tile,  # POV-Ray does not show what is farther away
         "maxFaces": max_trace_level(scene, found),
         "volumes": 1,
-        "pieceFoot": [(piece.x, floor + pedestal, last + piece.z1) for piece in pieces],
-        "pedestal": pedestal,
-        "pedestalHalf": [piece.radius + PEDESTAL_EDGE for piece in pieces],
-        "pieceColour": [piece.colour for piece in pieces],
-        "pieceVolume": [names.index(str(piece.piece)) for piece in pieces],
         "volumePlace": places,
-        "sphereCount": len(ball),
-        "spheres": ball + [(0, 0, 1, 0)] * (MOST_SPHERES - len(ball)),
-    } | _sheets(scene)
+        **_objects(drawn(scene), Parts(names, boards.pictures)),
+        **_windows(scene.openings or [NO_WINDOW], to_live([scene])),
+    }
 
 
-def _sheets(scene: Scene) -> dict[str, Any]:
-    """Return the uniforms of povgen/liveview/prisms.glsl: of two sheets for each window. A missing one has zeros."""
-    windows = [sheet.layers_at(0.0, k) for k, sheet in enumerate(scene.sheets)]
+def _objects(things: Sequence[SceneObject], parts: Parts) -> dict[str, Any]:
+    """Return the uniforms of povgen/liveview/objects.glsl."""
+    rest = range(-len(things) % AT_ONCE)  # the shader has so many objects more, which it does not draw
+    return {
+        "objectCount": len(things),
+        "objectKind": [KINDS.index(each.drawn_as or each.kind) for each in things] + [0 for _ in rest],
+        "objectPlace": [each.pose[:3] for each in things] + [(0, 0, 0) for _ in rest],
+        "objectAxes": [each.pose.axes.tolist() for each in things] + [[(0, 0, 0)] * 3 for _ in rest],
+        "objectNumbers": [each.numbers(parts) for each in things] + [(0, 0, 0, 0) for _ in rest],
+        "objectColour": [each.colour for each in things] + [(0, 0, 0) for _ in rest],
+    }
+
+
+def _windows(openings: Sequence[Opening], laws: Sequence[Text]) -> dict[str, Any]:
+    """Return the uniforms of windows and sheets. A window has two sheets of glass; a missing one has zeros."""
+    windows = [opening.sheet.layers_at(0.0, k) for k, opening in enumerate(openings)]
     none = GlassSheet(0.0, 0.0, Prism(1.0))
     layers = [layer for sheets in windows for layer in (*sheets, none, none)[:2]]
-    prisms = [_prism(scene, window) for window in scene.parameter_sets]
-    profiles = _profiles(scene)
-    shapes = [profile or prism for profile, prism in zip(profiles, prisms, strict=True)]
+    shapes = [opening.sheet.shape if isinstance(opening.sheet, Layered) else Prism(1.0) for opening in openings]
+    prisms = [shape if isinstance(shape, Prism) else Prism(1.0) for shape in shapes]
     # two shapes for each window, one for each sheet: with errors of building they differ
     own = [[layer.shape for layer in sheets] + [plan] * 2 for sheets, plan in zip(windows, shapes, strict=True)]
-    bases = [
+    slants = [
         radians((shape if isinstance(shape, Prism) else prism).base_angle)
         for several, prism in zip(own, prisms, strict=True)
         for shape in several[:2]
     ]
+    sheets: list[Any] = [opening.sheet for opening in openings]
     return {
-        "sheetCounts": [len(sheets) for sheets in windows],
+        "kind": [_kind(sheet, laws) for sheet in sheets],
+        "constants": [number for sheet in sheets for number in _law_constants(sheet, _constants(laws))],
+        "windowPlace": [opening.pose[:3] for opening in openings],
+        "windowAxes": [opening.pose.axes.tolist() for opening in openings],
+        "windowHalf": [[side / 2 for side in opening.outline[:2]] for opening in openings],
+        "windowRound": [opening.outline.is_round for opening in openings],
+        "windowDepth": [opening.frame for opening in openings],
+        "windowFramed": [opening.framed for opening in openings],
+        "sheetCounts": [len(each) for each in windows],
         "sheetTurns": [(cos(layer.angle), sin(layer.angle)) for layer in layers],
         "sheetAxes": [layer.axes.tolist() for layer in layers],
         "sheetCentres": [layer.centre for layer in layers],
         "pitches": [shape.pitch for shape in shapes],
         "firstBases": [
-            ((shape.gap if isinstance(shape, Prism) else 0) - scene.aperture / shape.pitch) / 2 for shape in shapes
+            ((shape.gap if isinstance(shape, Prism) else 0) - opening.sheet.aperture / shape.pitch) / 2
+            for shape, opening in zip(shapes, openings, strict=True)
         ],
         "prismHeights": [prism.height / prism.pitch for prism in prisms],
         "prismHalves": [shape.length / shape.pitch / 2 for shape in shapes],
-        "slants": [(cos(base), sin(base)) for base in bases],
+        "slants": [(cos(base), sin(base)) for base in slants],
         "glassIndices": [shape.index for several in own for shape in several[:2]],
-        "blackTops": [sheet.values.get("tops") == "black" for sheet in scene.sheets],
-    } | _edges(profiles)
+        "blackTops": [sheet.values.get("tops") == "black" for sheet in sheets],
+    } | _edges([*map(_profile, openings)])
 
 
-def _profiles(scene: Scene) -> list[Profile | None]:
-    """Return the profile of the sheets in each window, None for Dove prisms and ideal sheets."""
-    shapes = (sheet.shape if isinstance(sheet, Layered) else None for sheet in scene.sheets)
-    return [None if isinstance(shape, Prism) else shape for shape in shapes]
+def _profile(opening: Opening) -> Profile | None:
+    """Return the profile of the sheets in a window, None for Dove prisms and ideal sheets."""
+    shape = opening.sheet.shape if isinstance(opening.sheet, Layered) else None
+    return None if isinstance(shape, Prism) else shape
 
 
 def _edges(profiles: Sequence[Profile | None]) -> dict[str, Any]:
@@ -150,20 +203,14 @@ def _edges(profiles: Sequence[Profile | None]) -> dict[str, Any]:
     return {"profileCounts": [*map(len, several)], "profileEdges": sum(lines, []), "profileRadii": sum(radii, [])}
 
 
-def _prism(scene: Scene, window: EyeAndWindows | Window) -> Prism:
-    """Return the shape of the prisms in a window. A window without prisms has values for them too."""
-    values = scene.values_of(window, ("prisms", *SHAPE))
-    return shape_of(values, scene.aperture / values["prisms"])
-
-
 def _constants(laws: Sequence[Text]) -> int:
     return max(1, *(len(law.constants) for law in laws))
 
 
 def _kind(sheet: Sheet, laws: Sequence[Text]) -> int:
-    """Return the number of a sheet's law in laws.glsl, from 0. It is -1 for prisms and lenses, which have no law."""
-    if sheet.layers:
-        return -1
+    """Return the number of a sheet's law in laws.glsl, from 0: -1 for prisms and lenses, -2 for no sheet."""
+    if sheet.layers or sheet.name == "none":
+        return -1 if sheet.layers else -2
     name = f"law {sheet.values['law']}" if isinstance(sheet, OwnLaw) else sheet.name
     return [law.name for law in laws].index(name)
 

@@ -16,8 +16,8 @@ from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
 from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PIECES, PieceFile, from_folder
-from povgen.scene.scenes import SCENES, Scene
-from povgen.scene.windows import MAX_WINDOWS, Window, as_windows, replaced_by, window_table
+from povgen.scene.scene import SCENES, Scene
+from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by, window_table
 from povgen.settings import Note, preset_of
 from povgen.sheets.profile import NAMES, ProfileFile
 from povgen.validation import Model, as_pair
@@ -332,7 +332,7 @@ class MovieSpec(Model):
         field = SCENES[self.scene].model_fields.get(WINDOW_NUMBERS.get(name, (1, name))[1])
         return round(value) if field and field.annotation is int else value
 
-    def _windows(self, swept: dict[str, float]) -> list[Window]:
+    def _windows(self, swept: dict[str, float]) -> list[FurtherWindow]:
         """Return the windows behind the first one, with swept numbers in place of their own. Raises InputError."""
         windows = as_windows(self.fixed.get("window", ()))
         for name, value in swept.items():
@@ -421,7 +421,7 @@ def _paths(value: object) -> Iterator[str]:
     """Yield the paths of the files in a parameter's value, also of those in tuples and windows."""
     if isinstance(value, (Picture, PieceFile, ProfileFile)):
         yield value.path
-    for part in value if isinstance(value, tuple) else [value.profile] if isinstance(value, Window) else []:
+    for part in value if isinstance(value, tuple) else [value.profile] if isinstance(value, FurtherWindow) else []:
         yield from _paths(part)
 
 
@@ -433,7 +433,7 @@ def spec_file(path: str | Path) -> Path | int:
     return file if file.suffix == ".toml" or file.exists() and not file.is_dir() else MOVIES / f"{path}.toml"
 
 
-def swept_numbers(scene: type[Scene] | type[Window]) -> dict[str, int]:
+def swept_numbers(scene: type[Scene] | type[FurtherWindow]) -> dict[str, int]:
     """Return the parameters of a class of scenes, or of `Window`, that can be swept.
 
     For each name, the result has how many numbers a value has: 1, or 2 for a point.
@@ -459,7 +459,7 @@ def _numbers(kind: object) -> int:
 WINDOW_NUMBERS = {
     f"window{n}_{name}": (n, name)
     for n in range(2, MAX_WINDOWS + 1)
-    for name, count in swept_numbers(Window).items()
+    for name, count in swept_numbers(FurtherWindow).items()
     if count == 1
 }
 

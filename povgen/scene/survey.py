@@ -14,7 +14,9 @@ from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
 from povgen.optics import apparent, trace
 from povgen.optics.equations import Complexes, Floats
 from povgen.optics.faces import GlassSheet
-from povgen.scene.scenes import Scene
+from povgen.optics.rays import Bundle, Opening, trace_windows
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import AxialScene
 from povgen.scene.windows import Placed
 
 
@@ -38,8 +40,17 @@ class SurveyInputs(NamedTuple):
     side: int  # the grid of rays to each window of prisms is side x side, or finer
 
 
-def inputs(scene: Scene, side: int = 60) -> SurveyInputs:
+class RoomInputs(NamedTuple):
+    """Everything on which the survey of a room depends."""
+
+    openings: tuple[Opening, ...]
+    eye: tuple[float, float, float]
+
+
+def inputs(scene: Scene, side: int = 60) -> SurveyInputs | RoomInputs:
     """Return everything on which a scene's survey depends."""
+    if not isinstance(scene, AxialScene):
+        return RoomInputs(tuple(scene.openings), scene.camera.eye)
     return SurveyInputs(scene.windows, scene.z2, scene.E, scene.aperture, scene.depth, side)
 
 
@@ -53,22 +64,37 @@ def survey(scene: Scene, side: int = 60) -> Survey:
     return of_inputs(inputs(scene, side))
 
 
-known: dict[SurveyInputs, Survey] = {}  # `warn` and the rendering need those of all frames of a movie
+known: dict[SurveyInputs | RoomInputs, Survey] = {}  # `warn` and the rendering need those of all frames of a movie
 MOST_KNOWN = 60_000  # as many as the longest movie needs if it is stereo
 
 
-def of_inputs(given: SurveyInputs) -> Survey:
+def of_inputs(given: SurveyInputs | RoomInputs) -> Survey:
     """Return the survey for these inputs. It is made only if it is not known."""
     if given not in known:
-        keep(given, _traced(given))
+        keep(given, _of_room(given) if isinstance(given, RoomInputs) else _traced(given))
     return known[given]
 
 
-def keep(given: SurveyInputs, found: Survey) -> None:
+def keep(given: SurveyInputs | RoomInputs, found: Survey) -> None:
     """Put a survey into `known`. If `known` is full, it is emptied first."""
     if len(known) >= MOST_KNOWN:
         known.clear()
     known[given] = found
+
+
+def _of_room(given: RoomInputs, count: int = 3600) -> Survey:
+    """Trace rays from the eye to random points of each window of prisms, through all windows that are in the way."""
+    rng, level, designed = np.random.default_rng(1), 5, 0.0
+    for opening in given.openings:
+        if not opening.sheet.layers_at(0.0, 0):
+            continue
+        points = rng.uniform(-0.5, 0.5, (count, 3)) * (*opening.outline[:2], 0)
+        places, _ = opening.pose.scene(points, points)
+        found = trace_windows(Bundle(given.eye, places - given.eye), given.openings, MAX_FACES)
+        lost = int(MAX_LOST_FRACTION * count) + 1
+        level = max(level, int(np.sort(np.where(found.end == trace.End.FRAME, 0, found.count))[-lost]) + 1)
+        designed = max(designed, float(found.designed.mean()))
+    return Survey(min(level, MAX_FACES), designed)
 
 
 def _traced(given: SurveyInputs) -> Survey:

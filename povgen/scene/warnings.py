@@ -15,7 +15,7 @@ from povgen.limits import (
 )
 from povgen.optics import uncertainty
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
-from povgen.scene.scenes import Scene, pieces
+from povgen.scene.scenes import AxialScene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
 from povgen.sheets.layered import Layered
@@ -27,7 +27,7 @@ UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they diffe
 
 
 def warnings(
-    scene: Scene, rendering: Rendering | None = None, found: Survey | None = None
+    scene: AxialScene, rendering: Rendering | None = None, found: Survey | None = None
 ) -> Iterator[tuple[str, str]]:
     """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence.
 
@@ -71,7 +71,7 @@ def warnings(
             yield name, f"{text} without antialiasing, the picture is noise"
 
 
-def _of_pieces(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+def _of_pieces(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield what a user should know of the pieces from files."""
     shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
     if notes := [f"piece = {str(piece)!r}: {piece.note}" for piece in shown if piece.note]:
@@ -86,11 +86,11 @@ def _of_pieces(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str,
         yield "renderer", f"{text} with --renderer povray its own"
 
 
-def _things(scene: Scene) -> str:
+def _things(scene: AxialScene) -> str:
     return "prisms" if any(isinstance(sheet, Prisms) for sheet in scene.layered) else "lenses"
 
 
-def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+def _no_light(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning if no light passes the ideal windows, and one for each object that the overlay cannot mark."""
     if scene.is_empty:
         return
@@ -106,7 +106,7 @@ def _no_light(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, 
             yield "overlay", f"{text} or none of its light reaches the eye"
 
 
-def _jumps(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+def _jumps(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning if POV-Ray's camera interpolates over more than two pixels where rays jump."""
     if not rendering or rendering.renderer == "gl" or not (found := jumps(scene)).share:
         return
@@ -120,7 +120,7 @@ def _jumps(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str
         )
 
 
-def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
+def possible_error(scene: AxialScene, L: complex, z1: float, radius: float) -> float:
     """Return by how many pixels of 1280x960 the prediction for an object behind prisms can be wrong.
 
     L (complex), z1 and `radius` are those of the object, in tiles. The result is infinite if it appears at infinity.
@@ -129,7 +129,7 @@ def possible_error(scene: Scene, L: complex, z1: float, radius: float) -> float:
     return uncertainty.possible_error(P, scene.E, z1, radius, scene.elements) / scene.view * 960
 
 
-def _wrong_prediction(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+def _wrong_prediction(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning for the worst object if the predicted image, overlay or caption can be wrong by too much.
 
     The limit is MAX_ERROR for prisms and lenses, and 1 pixel for ideal sheets, both in pixels of 1280x960.

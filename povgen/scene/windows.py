@@ -1,4 +1,4 @@
-"""The windows behind the first one of `Chess` and `Spheres`. A `Window` can be given as text: `z=2,sheet=mirror`."""
+"""The windows behind the first one of `Chess` and `Spheres`. One can be given as text: `z=2,sheet=mirror`."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -12,7 +12,7 @@ from povgen.validation import Model
 MAX_WINDOWS = 5
 
 
-class Window(FurtherParameters):
+class FurtherWindow(FurtherParameters):
     """A window behind the first one, and parallel to it. Its size and its frame are those of the first.
 
     If a parameter of its sheet is not given, the first window's value is used.
@@ -27,12 +27,12 @@ class Window(FurtherParameters):
         return replaced_by(changes)
 
 
-def has_glass(window: Any) -> bool:  # noqa: ANN401  (a scene, for its first window, or a Window)
+def has_glass(window: Any) -> bool:  # noqa: ANN401  (a scene, for its first window, or a FurtherWindow)
     """Return whether the parameters of a window name the prisms' glass."""
     return window.glass not in (None, "none")
 
 
-def replaced_by(changes: Mapping[str, object], windows: Iterable[Window] = ()) -> set[str]:
+def replaced_by(changes: Mapping[str, object], windows: Iterable[FurtherWindow] = ()) -> set[str]:
     """Return the names of the values that new ones replace. A new glass replaces the index.
 
     A new index, or the glass "none", replaces the glass. It also replaces the wavelengths of the light and of the
@@ -80,12 +80,12 @@ def window_table(value: object) -> object:
 
 def _window(value: object) -> object:
     value = window_table(value)
-    return Window(**value) if isinstance(value, Mapping) else value
+    return FurtherWindow(**value) if isinstance(value, Mapping) else value
 
 
 def _windows(value: object) -> object:
     """Accept a single window in place of a list of windows."""
-    return [value] if isinstance(value, (str, Mapping, Window)) else value
+    return [value] if isinstance(value, (str, Mapping, FurtherWindow)) else value
 
 
 WINDOW = (
@@ -94,10 +94,10 @@ WINDOW = (
     f"Can be given up to {MAX_WINDOWS - 1} times, in order of z"
 )
 if TYPE_CHECKING:  # read as windows; a user may give anything that becomes such a tuple
-    Windows = tuple[Window, ...] | Any
+    Windows = tuple[FurtherWindow, ...] | Any
 else:
     Windows = Annotated[
-        tuple[Annotated[Window, BeforeValidator(_window)], ...],
+        tuple[Annotated[FurtherWindow, BeforeValidator(_window)], ...],
         Field(max_length=MAX_WINDOWS - 1),
         BeforeValidator(_windows),
     ]
@@ -107,6 +107,6 @@ class _Windows(Model):
     window: Windows = Field(description=WINDOW)
 
 
-def as_windows(value: object) -> list[Window]:
+def as_windows(value: object) -> list[FurtherWindow]:
     """Return the windows that a scene's parameter `window` states. Raises InputError."""
     return list(_Windows(window=value).window)

@@ -20,7 +20,8 @@ from povgen.progress import bar
 from povgen.record import MAX_FRAMES, check_unasked, in_png
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
-from povgen.scene.scenes import Scene, checked_scenes, input_files
+from povgen.scene.scene import Scene, checked_scenes
+from povgen.scene.scenes import input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Options, Rendering
 from povgen.validation import Model, as_flag, is_several

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from povgen.inputs.pieces import PIECES
 from povgen.optics import equations
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
-from povgen.scene.scenes import Scene, used_parameters
+from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
 from povgen.sheets import PARAMETERS
@@ -40,7 +40,7 @@ class Caption(NamedTuple):
     size: float = 1  # of the text, as a multiple of the usual size
 
 
-def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
+def captions(scenes: Sequence[AxialScene], rendering: Rendering) -> list[Caption]:
     """Return the captions of a movie's frames, or of a single picture.
 
     A short caption states what differs between the frames, and by how much an object appears turned, if that changes.
@@ -77,13 +77,13 @@ def _widest(texts: Sequence[str]) -> str:
     return max(texts, key=text_width)
 
 
-def _all_said(scene: Scene, values: Mapping[str, str], full: bool = False) -> list[str]:
+def _all_said(scene: AxialScene, values: Mapping[str, str], full: bool = False) -> list[str]:
     """Return what a caption says of these values. A value is left out if the words about another value state it."""
     words = "".join(_words(scene, name).words for name in values)
     return [_said(scene, name, text, full) for name, text in values.items() if f"{{{name}}}" not in words]
 
 
-def _moving(scenes: Sequence[Scene], side_view: bool = False) -> list[list[str]]:
+def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[str]]:
     """Return the short caption of each frame.
 
     It states the numbers and points that are not the same in all frames. If the angle by which an object appears turned
@@ -131,7 +131,7 @@ def _moving(scenes: Sequence[Scene], side_view: bool = False) -> list[list[str]]
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
 
 
-def _image(scene: Scene) -> tuple[float, float]:
+def _image(scene: AxialScene) -> tuple[float, float]:
     """Return the angle nu, degrees, by which a scene's only object appears turned, and its size.
 
     The size is a multiple of the size without the sheets. Both are NaN unless the scene has one object and every window
@@ -167,7 +167,7 @@ def _place(name: str, place: tuple[float, ...], digits: int) -> str:
     return f"{name} {', '.join(parts) or 'in the middle'}"
 
 
-def _words(scene: Scene, name: str) -> Said:
+def _words(scene: AxialScene, name: str) -> Said:
     """Return how a caption says a parameter. For a further window, `name` ends with the window's number.
 
     `name` can also be a parameter and a kind of sheet: see `_values`.
@@ -189,13 +189,13 @@ def _words(scene: Scene, name: str) -> Said:
     return Said(f"{SYMBOLS.get(plain, plain.replace('_', ' '))}{number} = {{}}")
 
 
-def _said(scene: Scene, name: str, text: str, full: bool = False) -> str:
+def _said(scene: AxialScene, name: str, text: str, full: bool = False) -> str:
     """Return what a caption says of a parameter, whose value as text is given."""
     number, words = SUBSCRIPTS.find(name[-1]), _words(scene, name)
     return (words.full if full and words.full else words.words).format(text, **{**_values(scene), "number": number})
 
 
-def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
+def _numbers(scene: AxialScene, used: set[str]) -> dict[str, tuple[float, ...]]:
     """Return the parameters that a movie can change, each as a number, as least and greatest number, or as x and y.
 
     A parameter of a further window has the window's number as a subscript. The sheets' parameters that are not `used`
@@ -224,7 +224,7 @@ def _numbers(scene: Scene, used: set[str]) -> dict[str, tuple[float, ...]]:
     return values
 
 
-def _in_each_window(scene: Scene, name: str) -> str:
+def _in_each_window(scene: AxialScene, name: str) -> str:
     """Return ` in each window` if several windows have this number of the scene in common."""
     said = [each.said for sheet in scene.sheets for each in sheet.parameters if each.name == name]
     alike = len(said) == len(scene.sheets) > 1 and len({*said}) == 1
@@ -241,7 +241,7 @@ def _unit(name: str) -> str:
     return text if text.startswith("°") else f" {text}" if text else ""
 
 
-def facts(scene: Scene) -> dict[str, str]:
+def facts(scene: AxialScene) -> dict[str, str]:
     """Return what a full caption states, as text by name: the sheets' parameters, z1, z2, r, nu and M.
 
     nu and M are there if the sheets only rotate light. r is there for one window with such a sheet, with the sheet
@@ -273,7 +273,7 @@ def _glass(values: Mapping[str, Any]) -> str:
     return f"{values['index']:.4f} ({values['glass']}{f', made for {made:g} nm' if made != WAVELENGTH else ''})"
 
 
-def _values(scene: Scene) -> dict[str, str]:
+def _values(scene: AxialScene) -> dict[str, str]:
     """Return the numbers of the sheets' parameters, as text: for each name those of all windows that have it.
 
     A number that all windows in series have in common is said once. Two kinds of sheets can have different words

@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
-from povgen.scene.scenes import Chess, Scene
+from povgen.scene.scenes import AxialScene, Chess
 from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
 from povgen.video.outline import outlines
@@ -50,7 +50,7 @@ Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to 
 
 def annotated(
     picture: NDArray[np.uint8],
-    scene: Scene,
+    scene: AxialScene,
     rendering: Rendering,
     caption: Caption | None = None,
     said: Sequence[tuple[str, Colour]] | None = None,
@@ -90,7 +90,7 @@ class Item(NamedTuple):
     colour: Colour | None = None
 
 
-def legend(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
+def legend(scene: AxialScene, rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return what the legend above the picture says: a text for each kind of mark or line on the picture.
 
     If the picture has no caption, note, side view or overlay, `rendering.annotated` is false, and there is no legend.
@@ -117,7 +117,7 @@ def legend(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     return texts
 
 
-def common_legend(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
+def common_legend(scenes: Iterable[AxialScene], rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return the common legend of a movie's frames, or of the two pictures of a stereo pair: the entries of all.
 
     Then all strips are equally high, even if a point is in the window in some frames only.
@@ -204,7 +204,7 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
     return strip
 
 
-def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
+def _overlay(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
     """Draw the curves along which the predicted positions move. Then draw points on them.
 
     The points are the predicted positions, those of ghosts, and L and E with their letters.
@@ -239,7 +239,7 @@ def _overlay(scene: Scene, picture: NDArray[np.uint8]) -> None:
         _letter(picture, name, place, [other for other in places.values() if other != place])
 
 
-def _sheet_line(scene: Scene, picture: NDArray[np.uint8]) -> None:
+def _sheet_line(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
     """Draw the line in the first window about which its sheet mirrors or turns light, if there is one."""
     if not scene.sheets[0].line:
         return
@@ -266,14 +266,14 @@ def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
         _discs(picture, points, radius * thick, colour)
 
 
-def _pixels(points: Complexes, scene: Scene, picture: NDArray[np.uint8]) -> Complexes:
+def _pixels(points: Complexes, scene: AxialScene, picture: NDArray[np.uint8]) -> Complexes:
     """Return where points of the plane z = 0, in tiles, are on the picture, in pixels: x + iy, y downwards."""
     height, width, _ = picture.shape
     tile = height / scene.view
     return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))
 
 
-def _named(scene: Scene) -> dict[str, complex]:
+def _named(scene: AxialScene) -> dict[str, complex]:
     """Return the points of the plane z = 0 that have a letter and are in the window: L, E, and P of a single object."""
     points = {"L": scene.L, "E": scene.E} if scene.objects else {}
     if len(scene.objects) == 1:
@@ -323,7 +323,7 @@ def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour:
         part[:] = np.asarray(image)
 
 
-def positions(scene: Scene) -> list[complex]:
+def positions(scene: AxialScene) -> list[complex]:
     """Return where the scene's objects are predicted to appear in the plane z = 0, in tiles.
 
     The position is that of a piece's foot, or of a sphere's middle.
@@ -337,12 +337,12 @@ def positions(scene: Scene) -> list[complex]:
 
 
 @lru_cache(maxsize=4096)  # through lenses it takes half a second, and both the legend and the overlay need it
-def ghosts(scene: Scene) -> list[complex]:
+def ghosts(scene: AxialScene) -> list[complex]:
     """Return the predicted positions of the objects' ghosts through lenses (`Scene.ghosts`), in tiles."""
     return [ghost.position for L, z1 in scene.objects for ghost in scene.ghosts(L, z1)]
 
 
-def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
+def loci(scene: AxialScene, step: float = 0.005) -> list[tuple[list[Complexes], Colour]]:
     """Return the curves along which predicted positions move, each as its visible parts and its colour.
 
     The first curves, one for each L, have constant alpha, and z1 changes along them. If there is a single object, and a
@@ -368,7 +368,7 @@ def loci(scene: Scene, step: float = 0.005) -> list[tuple[list[Complexes], Colou
 
 
 def _visible_parts(
-    scene: Scene, curve: Curve, ends: tuple[float, float], infinite: Iterable[float], step: float
+    scene: AxialScene, curve: Curve, ends: tuple[float, float], infinite: Iterable[float], step: float
 ) -> list[Complexes]:
     """Return the visible parts of a curve between two parameters.
 

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from povgen.inputs.fields import MAX_ASIDE
 from povgen.optics import apparent
-from povgen.scene.scenes import Chess, Scene
+from povgen.scene.scenes import AxialScene, Chess
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
@@ -68,7 +68,7 @@ class Shown(NamedTuple):
     z1: float
 
 
-def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
+def extent(scenes: Collection[AxialScene], aside: float = 0.0) -> Extent:
     """Return the extent of a side view that shows the eyes, windows, objects and images of all these scenes.
 
     The eyes of a stereo pair stand `aside`, tiles, to the left and to the right of a scene's eye.
@@ -91,7 +91,7 @@ def _height(place: complex, from_above: bool) -> float:
     return -place.real if from_above else place.imag
 
 
-def image_of(scene: Scene, points: Sequence[complex], z1: float) -> tuple[float, NDArray[np.complex128]]:
+def image_of(scene: AxialScene, points: Sequence[complex], z1: float) -> tuple[float, NDArray[np.complex128]]:
     """Return z of the image of points at the distance z1, tiles, and the points' images (`apparent.image`).
 
     The image is that of ideal sheets, of which prisms are an approximation. Without an image z is NaN.
@@ -101,7 +101,7 @@ def image_of(scene: Scene, points: Sequence[complex], z1: float) -> tuple[float,
     return apparent.image(points, z1, windows)
 
 
-def _shown(scene: Scene, from_above: bool = False) -> tuple[list[Shown], list[Thing]]:
+def _shown(scene: AxialScene, from_above: bool = False) -> tuple[list[Shown], list[Thing]]:
     """Return the objects that are not too far (FARTHEST), and the images that are not too far or too high (HIGHEST).
 
     The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
@@ -119,7 +119,7 @@ def _shown(scene: Scene, from_above: bool = False) -> tuple[list[Shown], list[Th
     return shown, [each for each in there if max(map(abs, each.heights)) <= HIGHEST * max(high)]
 
 
-def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
+def side_view(scene: AxialScene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
     """Return a strip with the side view for a picture of this size. Its height is even.
 
     z points to the right, y up; in a view from above the left is up. Objects beyond FARTHEST, and their images, are
@@ -179,7 +179,7 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     return np.asarray(image)
 
 
-def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Thing], last: float) -> list[tuple[float, str]]:
+def _names(scene: AxialScene, shown: Sequence[Shown], there: Sequence[Thing], last: float) -> list[tuple[float, str]]:
     """Return the texts below the side view, each with the z to which it belongs: of the eye, the objects and the image.
 
     `there` are the images that are shown, and `last` is the greatest z.
@@ -200,7 +200,7 @@ def _names(scene: Scene, shown: Sequence[Shown], there: Sequence[Thing], last: f
     return names
 
 
-def _rays(scene: Scene, shown: Shown) -> list[tuple[complex, list[tuple[float, complex]]]]:
+def _rays(scene: AxialScene, shown: Shown) -> list[tuple[complex, list[tuple[float, complex]]]]:
     """Return rays from an object to the eye and to points beside the eye: for each, its end and its corners.
 
     An end is x + iy. The corners are (z, x + iy), from the end to the object. The rays begin at the upper end of a

@@ -22,15 +22,8 @@ from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
-from povgen.scene.scenes import (
-    Scene,
-    checked_scene,
-    checked_scenes,
-    input_files,
-    pieces,
-    profile_files,
-    with_seen_files,
-)
+from povgen.scene.scene import Scene, checked_scene, checked_scenes
+from povgen.scene.scenes import input_files, pieces, profile_files, with_seen_files
 from povgen.scene.shader import surroundings
 from povgen.settings import Options, Rendering
 from povgen.validation import as_flag, is_several

@@ -32,7 +32,7 @@ def test_what_is_said_to_be_visible_is_what_is_rendered(values, most):
     scene = Positions(z1=2, z2=3.5, L=0.3 - 0.2j, extent=4, **values)
     (decoded,) = probes.decoded([scene], (160, 120))
     inside, _ = camera.rays(scene, (160, 120))
-    shown, place = scene.L + transverse(decoded), camera.pixels(scene, (160, 120))
+    shown, place = scene.L + transverse(decoded), scene.camera.pixels((160, 120))
     coarse = 2.5 * scene.prism.pitch if scene.sheet == "detailed" else 0  # what differs from prism to prism
     designed = inside & (abs(scene.apparent_position(shown, 2) - place) < 0.04 + coarse)
     hidden = designed & ~scene.visible(shown, 2)

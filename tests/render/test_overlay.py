@@ -10,7 +10,6 @@ from conftest import some
 from povgen import Chess, InputError, Spheres
 from povgen.optics import equations
 from povgen.rendering.views import views
-from povgen.scene import camera
 from povgen.scene.model import VIEW
 from povgen.settings import Rendering
 from povgen.video import captions, encode, overlay, still
@@ -34,7 +33,7 @@ def drawn(scene, size=(640, 480), **options):
 def yellow(picture):
     """Return the points of the plane z = 0 at which marks are drawn."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    place = camera.pixels(Chess(), picture.shape[1::-1])
+    place = Chess().camera.pixels(picture.shape[1::-1])
     return place[(red > 200) & (green > 190) & (blue < 110)]
 
 
@@ -124,7 +123,7 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
     picture = drawn(scene, overlay=True)
     assert not len(yellow(picture)) and not overlay.positions(scene)
     assert overlay.P_COLOUR not in [colour for _, colour in overlay.legend(scene, Rendering(overlay=True))]
-    drawn_at = camera.pixels(scene, (640, 480))[(picture != 120).any(-1)]
+    drawn_at = scene.camera.pixels((640, 480))[(picture != 120).any(-1)]
     front = scene.E + (drawn_at - scene.E) * (1 - scene.depth / 2 / scene.z2)
     reach = np.maximum(abs(front.real), abs(front.imag)).max(initial=0)
     assert reach < scene.aperture / 2 + 4 * scene.view / 480  # half a line's width
@@ -234,7 +233,7 @@ def test_the_key_explains_each_colour_that_is_drawn():
 def test_the_line_of_a_mirror_and_an_axis_is_drawn(scene, name, way, monkeypatch):
     monkeypatch.setattr(overlay, "loci", lambda *_: [])
     picture = drawn(scene, overlay=True)
-    place = camera.pixels(scene, (640, 480))[(picture == overlay.LINE_COLOUR[:3]).all(-1)]
+    place = scene.camera.pixels((640, 480))[(picture == overlay.LINE_COLOUR[:3]).all(-1)]
     legend = overlay.legend(scene, Rendering(overlay=True))
     assert [text for text, colour in legend if colour == overlay.LINE_COLOUR] == [*filter(None, [name])]
     if name:
@@ -468,6 +467,6 @@ def test_points_in_the_window_have_their_letters(scene, letters, monkeypatch):
     assert [*found] == [*letters]
     for name, at in found.items():
         x, y = round(at.real), round(at.imag)
-        z = camera.pixels(scene, (640, 480))[y, x]
+        z = scene.camera.pixels((640, 480))[y, x]
         right = {"L": scene.L, "E": scene.E, "P": scene.apparent_position(scene.L, scene.distances[0])}[name]
         assert abs(z - right) < scene.view / 480 and (picture[y, x] != 120).any()

@@ -19,7 +19,7 @@ SIZE = (320, 240)
 def test_positions_to_16_bits():
     scene = Positions(sheet="none", z1=3, L=0.5 + 0.2j, extent=0.4)
     (decoded,) = probes.decoded([scene], SIZE)
-    pixels = camera.pixels(scene, SIZE)
+    pixels = scene.camera.pixels(SIZE)
     on = ~np.isnan(decoded[..., 0])
     there = pixels[on] * 9 / 6 - scene.L
     assert abs(decoded[on][:, 0] + 1j * decoded[on][:, 1] - there).max() < 1e-4
@@ -33,7 +33,7 @@ def test_a_piece_shows_positions_on_it():
     on = ~np.isnan(decoded[..., 0])
     x, y, z = decoded[on].T
     seen = scene.E + (scene.L + x + 1j * y - scene.E) * scene.z2 / (scene.z2 + scene.z1 + z)
-    assert abs(seen - camera.pixels(scene, SIZE)[on]).max() < 1e-3
+    assert abs(seen - scene.camera.pixels(SIZE)[on]).max() < 1e-3
     assert y.min() >= -1e-3 and 1.5 < y.max() < 2 and abs(x).max() < 0.45
 
 
@@ -73,7 +73,7 @@ def test_prisms_of_any_shape_agree_with_the_ray_trace():
     for scene, decoded in zip(scenes, probes.decoded(scenes, (160, 120)), strict=True):
         inside, direction = camera.rays(scene, (160, 120))
         level = survey.max_trace_level(scene)
-        found = scene.trace(camera.along(scene, direction), level)
+        found = scene.trace(scene.camera.along(direction), level)
         shown = (found.end <= End.BACK) & (found.count < level)
         agrees = np.linalg.norm(decoded[inside] - found.direction, axis=1) < 1e-3
         assert shown.sum() > 2000 and agrees[shown].mean() > 0.998 and agrees[found.designed].all(), scene
@@ -133,7 +133,7 @@ def directions_off(scene, monkeypatch, size=(64, 48)):
     monkeypatch.setattr(probes, "to_pov", lambda _: text)
     (decoded,) = probes.decoded([scene], size)
     inside, direction = camera.rays(scene, size)
-    place = camera.pixels(scene, size)[inside]
+    place = scene.camera.pixels(size)[inside]
     for sheet in scene.ideal:
         direction = sheet.bend(direction, place)
     return place, np.linalg.norm(decoded[inside] - direction, axis=-1)

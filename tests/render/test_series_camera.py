@@ -11,7 +11,6 @@ from povgen.measure import probes
 from povgen.measure.probes import Directions
 from povgen.optics import series
 from povgen.rendering import povray
-from povgen.scene import camera
 
 FRAME = "// ---- The window frame (frame.pov.j2) ----"
 
@@ -83,7 +82,7 @@ def shown(scenes, monkeypatch, size=(64, 48)):
 def test_every_pixel_shows_the_direction_of_its_ray(count, rng, monkeypatch):
     for scene, decoded in shown(list(windows_at_random(count, rng)), monkeypatch):
         assert not np.isnan(decoded).any(), scene
-        seen, doubtful = seen_through(scene, camera.pixels(scene, (64, 48)))
+        seen, doubtful = seen_through(scene, scene.camera.pixels((64, 48)))
         expected = np.stack((seen.real, seen.imag, np.ones(seen.shape)), -1)
         expected /= np.linalg.norm(expected, axis=-1, keepdims=True)
         off = np.linalg.norm(decoded - expected, axis=-1)[~doubtful]
@@ -96,7 +95,7 @@ def test_windows_in_which_all_rays_cross_one_point(monkeypatch):
     values = {"sheet": "ideal", "alpha": 180, "z2": 4, "window": "alpha=70,z=4"}
     scenes = [Directions(eye=eye, grid=1, **values) for eye in ((0, 0), (0.3, -0.2))]
     for scene, decoded in shown(scenes, monkeypatch):
-        seen, doubtful = seen_through(scene, camera.pixels(scene, (64, 48)))
+        seen, doubtful = seen_through(scene, scene.camera.pixels((64, 48)))
         direction = np.stack((seen.real, seen.imag, np.ones(seen.shape)), -1)
         direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
         assert np.linalg.norm(decoded - direction, axis=-1)[~doubtful].max() < 0.03

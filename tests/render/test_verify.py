@@ -93,7 +93,7 @@ def exact(scenes, size):
                 leaves = position + direction * scene.depth / 2 / direction[:, 2:]
                 ends |= abs(leaves[:, :2]).max(1) > scene.aperture / 2
         else:
-            found = scene.trace(camera.along(scene, direction), survey.max_trace_level(scene))
+            found = scene.trace(scene.camera.along(direction), survey.max_trace_level(scene))
             position, direction = found.position, found.direction
             ends = found.end > End.BACK
             if isinstance(scene, probes.Positions):
@@ -299,11 +299,11 @@ def test_the_index_of_glass_turns_no_ray_on_the_designed_path():
     """docs/sheets.md: what a millionth more of it, as the far sheet has in POV-Ray, does to rays."""
     scene = probes.Directions(z2=2)
     _, direction = camera.rays(scene, SIZE)
-    before = scene.trace(camera.along(scene, direction))
+    before = scene.trace(scene.camera.along(direction))
     changed = scene.model_copy(update={"index": scene.index * (1 + 1e-6)})
     # of the same length
     changed = changed.model_copy(update={"aspect": scene.prism.length / changed.prism.length})
-    after = changed.trace(camera.along(changed, direction))
+    after = changed.trace(changed.camera.along(direction))
     leaves = before.end <= End.BACK
     same = leaves & (before.faces == after.faces).all(1) & (before.end == after.end)
     turned = np.linalg.norm(before.direction - after.direction, axis=1)

@@ -87,7 +87,7 @@ def test_numpy_and_the_graphics_processor(scene, view):
     inside, direction = camera.rays(scene, SIZE)
     view.set(scene)
     found = view.readout(SIZE)["ray"][inside][:, :3].astype(float)
-    place = camera.pixels(scene, SIZE)[inside]
+    place = scene.camera.pixels(SIZE)[inside]
     expected = scene.sheets[0].bend(direction, place)
     passes = np.isfinite(expected[:, 0]) & (expected[:, 2] > 1e-3)
     assert passes.sum() > 500

@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from povgen.measure import probes
 from povgen.measure.probes import locate
-from povgen.scene import camera
 
 SIZE = (320, 240)
 A = 0.7 * np.exp(0.5j)
@@ -14,7 +13,7 @@ A = 0.7 * np.exp(0.5j)
 
 def looked_at(place=0.4 - 0.3j, a=A, b=0.1j, radius=0.3):
     """Pixels of a picture and what they tell: an object of that radius, seen at `place` as a d + b conj(d)."""
-    pixels = camera.pixels(probes.Directions(), SIZE).ravel()
+    pixels = probes.Directions().camera.pixels(SIZE).ravel()
     off = pixels - place
     size = abs(a) ** 2 - abs(b) ** 2
     decoded = (np.conj(a) * off - b * np.conj(off)) / size

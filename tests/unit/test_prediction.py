@@ -7,7 +7,7 @@ from povgen.inputs.pieces import PieceFile
 from povgen.measure import probes
 from povgen.measure.measured import px
 from povgen.optics.trace import End
-from povgen.scene import camera, survey, warnings
+from povgen.scene import survey, warnings
 from povgen.scene.quantities import traced_image
 from povgen.settings import Rendering
 
@@ -90,7 +90,7 @@ def test_the_trace_level_costs_no_partially_reflected_light(values, brightness, 
     """The values are the brightness of the window in white surroundings, by another ray tracer, without a level."""
     scene = Chess(fresnel=True, **values)
     P = rng.uniform(-1.2, 1.2, (20_000, 2)) @ (1, 1j)  # not close to the frame, which is black
-    found = scene.trace(camera.through(scene, P), survey.max_trace_level(scene), partial=rng)
+    found = scene.trace(scene.camera.through(P), survey.max_trace_level(scene), partial=rng)
     seen = (found.end <= End.BACK) & (found.light >= limits.LEAST_LIGHT)
     assert abs(seen.mean() - brightness) < 0.02
 

@@ -24,7 +24,7 @@ from povgen import (
     to_pov,
 )
 from povgen.page.page import demo
-from povgen.scene.scenes import Scene
+from povgen.scene.scene import Scene
 from povgen.scene.spec import Sweep
 from povgen.settings import Options
 from povgen.validation import Model

@@ -39,7 +39,7 @@ def test_a_ray_for_each_pixel():
     scene = Chess(sheet="none", eye=(0.5, -0.3), z2=5)
     rays = scene.rays((8, 6))
     assert (scene.rays("8x6").direction == rays.direction).all()
-    np.testing.assert_allclose(rays.at(0), camera.pixels(scene, (8, 6)))
+    np.testing.assert_allclose(rays.at(0), scene.camera.pixels((8, 6)))
     np.testing.assert_allclose(np.linalg.norm(rays.direction, axis=-1), 1)
     assert (rays.position == (0.5, -0.3, -5)).all()
     inside, direction = camera.rays(scene, (8, 6))
@@ -239,8 +239,7 @@ def test_wrong_values_are_refused(call, words):
     ("position", "direction", "words"),
     [
         ((0, 0, -6), (0, 0), "direction: an array of the shape (2,); allowed: (..., 3)"),
-        ((0, 0, -6), (1, 0, 0), "direction: dz = 0, parallel"),
-        ((0, 0, -6), (1, 0, 1e-101), "dz farther from 0"),
+        ((0, 0, -6), (0, 0, 0), "direction: 0, 0, 0; allowed: a direction with a length"),
         ((0, 0, np.nan), (1, 0, 1), "position: not finite"),
         ((0, 0, 1j), (0, 0, 1), "position: allowed: an array of real numbers"),
         (np.zeros((2, 3)), np.ones((3, 3)), "position and direction: the shapes (2, 3) and (3, 3) do not broadcast"),

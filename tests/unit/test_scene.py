@@ -11,9 +11,8 @@ from povgen.errors import at_least, at_most
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
-from povgen.scene import camera
 from povgen.scene.model import APERTURE, VIEW
-from povgen.scene.scenes import SCENES
+from povgen.scene.scene import SCENES
 
 
 def test_eye_and_object_move_on_their_own():
@@ -148,7 +147,7 @@ def test_light_along_z_is_totally_reflected_at_the_base_of_every_prism():
 
 def test_the_view_is_the_height_of_the_picture():
     for view in (0.1, VIEW, 100):
-        position = camera.pixels(Chess(view=view), (40, 30))
+        position = Chess(view=view).camera.pixels((40, 30))
         assert position.shape == (30, 40) and position.mean() == pytest.approx(0)
         assert np.ptp(position.imag) == pytest.approx(view * 29 / 30)
         assert np.ptp(position.real) == pytest.approx(view * 39 / 30)

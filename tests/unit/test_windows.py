@@ -8,8 +8,8 @@ from povgen import Chess, InputError, MovieSpec, Spheres, limits, to_pov
 from povgen.liveview.values import values as live_values
 from povgen.measure import probes
 from povgen.optics import apparent, series, trace
-from povgen.scene import camera, survey
-from povgen.scene.windows import Window
+from povgen.scene import survey
+from povgen.scene.windows import FurtherWindow
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 from povgen.video import captions, outline, overlay
@@ -19,10 +19,10 @@ MIXED = {"sheet": "ideal", "window": ["alpha=-30,z=1.5", "alpha=70,z=3,sheet=det
 
 
 def test_a_window_is_text_a_table_or_a_window():
-    for window in ("alpha=-50,z=2", " z = 2, alpha = -50", {"alpha": -50, "z": 2}, Window(alpha=-50, z=2)):
+    for window in ("alpha=-50,z=2", " z = 2, alpha = -50", {"alpha": -50, "z": 2}, FurtherWindow(alpha=-50, z=2)):
         for given in (window, [window]):
             scene = Chess(window=given)
-            assert scene.window == (Window(alpha=-50, z=2),)
+            assert scene.window == (FurtherWindow(alpha=-50, z=2),)
             assert (scene.alphas, scene.places, scene.behind) == ((66, -50), (0, 2), ((2, pytest.approx(-0.872665)),))
     assert [sheet.name for sheet in Chess(**MIXED).sheets] == ["ideal", "ideal", "detailed"]
     assert len(Chess(**MIXED).ideal) == 2 and Chess(sheet="none", window="z=1,alpha=3").is_empty
@@ -82,7 +82,7 @@ def test_predictions_follow_the_light_through_all_windows(sheet, rng):
         )
         L = rng.uniform(-4, 4, (20, 2)) @ (1, 1j)
         P, visible = scene.seen(L, 3)
-        rays = scene.trace(camera.through(scene, P))
+        rays = scene.trace(scene.camera.through(P))
         assert (visible == rays.designed).all()
         assert rays.at(scene.places[-1] + 3)[visible] == pytest.approx(L[visible], abs=1e-9)
         seen, count = seen + visible.sum(), count + len(L)
@@ -110,7 +110,7 @@ def test_predictions_follow_the_light_through_all_windows(sheet, rng):
 def test_what_the_exact_trace_shows_is_visible(rng, values):
     scene = probes.Directions(**{"sheet": "detailed", "prisms": 200, "alpha": 120, "z2": 8, **values})
     P = rng.uniform(-1.2, 1.2, 4000) + 1j * rng.uniform(-1.2, 1.2, 4000)
-    rays = scene.trace(camera.through(scene, P))
+    rays = scene.trace(scene.camera.through(P))
     on = rays.designed
     L = rays.at(scene.places[-1] + 3)[on]
     assert 500 < on.sum() and scene.visible(L, 3).mean() > 0.95
@@ -144,7 +144,7 @@ def rays_to(scene, number, count, rng):
     there = rng.uniform(-half, half, count) + 1j * rng.uniform(-half, half, count)
     P = series.crossings(scene.E + (there - scene.E) / scale, scene.E, scene.z2, alpha, scene.behind)
     P = P[:, (np.maximum(abs(P[: number + 1].real), abs(P[: number + 1].imag)) < half).all(0)]
-    return camera.through(scene, P[0])
+    return scene.camera.through(P[0])
 
 
 FAR = "alpha=66,z=25,sheet=detailed"

@@ -18,7 +18,8 @@ from povgen.measure import tolerance
 from povgen.progress import tell
 from povgen.record import check_unasked
 from povgen.rendering.parallel import worker_count
-from povgen.scene.scenes import Scene, input_files
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import input_files
 from povgen.sheets.prisms import ERRORS
 
 

@@ -1,0 +1,158 @@
+"""A scene of one's own: objects and windows that stand anywhere."""
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
+
+from povgen.errors import InputError, shown
+from povgen.objects import OBJECTS
+from povgen.objects.placed import Coordinate, Placed
+from povgen.objects.scene_object import SceneObject
+from povgen.objects.window import Window
+from povgen.optics.rays import Opening
+from povgen.scene import checks
+from povgen.scene.camera import Camera
+from povgen.scene.scene import SCENES, Scene
+from povgen.scene.windows import window_table
+from povgen.validation import Model
+
+MOST_WINDOWS, MOST_OBJECTS = 20, 100
+
+
+class Eye(Model):
+    """Where the eye is, where it looks, and how much it sees. The picture is upright unless it is rolled."""
+
+    x: Coordinate = Field(default=0, description="x of the eye, to the right, -10000 to 10000 tiles")
+    y: Coordinate = Field(default=0, description="y of the eye, upwards, -10000 to 10000 tiles")
+    z: Coordinate = Field(default=-6, description="z of the eye, -10000 to 10000 tiles; it looks along z")
+    look_x: Coordinate = Field(default=0, description="x of the point in the picture's middle, tiles")
+    look_y: Coordinate = Field(default=0, description="y of the point in the picture's middle, tiles")
+    look_z: Coordinate = Field(default=0, description="z of the point in the picture's middle, tiles")
+    roll: Annotated[float, Field(ge=-3600, le=3600)] = Field(
+        default=0, description="turn of the eye about its line of sight, counter-clockwise as it sees it, degrees"
+    )
+    view: Annotated[float, Field(ge=0.01, le=1000)] = Field(
+        default=5, description="height of the picture at the point in its middle, 0.01 to 1000 tiles"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.x, self.y, self.z) == (self.look_x, self.look_y, self.look_z):
+            raise ValueError("look_x, look_y, look_z: where the eye is; allowed: another point")
+        return self
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of this eye."""
+        place, middle = (self.x, self.y, self.z), (self.look_x, self.look_y, self.look_z)
+        along = np.subtract(middle, place)
+        along = along / np.linalg.norm(along)
+        # an eye that looks straight up or down has its right side along x
+        right = np.cross((0, 1, 0), along) if np.hypot(along[0], along[2]) > 1e-9 else np.array([1.0, 0, 0])
+        right = right / np.linalg.norm(right)
+        up, turn = np.cross(along, right), np.radians(self.roll)
+        # a picture whose eye is turned counter-clockwise has its sides turned so
+        sides = np.cos(turn) * right + np.sin(turn) * up, np.cos(turn) * up - np.sin(turn) * right
+        (rx, ry, rz), (ux, uy, uz) = (side.tolist() for side in sides)
+        return Camera(place, middle, (rx, ry, rz), (ux, uy, uz), self.view)
+
+
+def _object(value: object) -> object:
+    """Return the object that a table, or a text such as kind=sphere,x=1, states."""
+    table = window_table(value)
+    if not isinstance(table, dict):
+        return value
+    kind = table.get("kind")
+    if not isinstance(kind, str) or kind not in OBJECTS:
+        raise InputError(f"kind = {shown(kind)}: allowed: {', '.join(OBJECTS)}")
+    return OBJECTS[kind](**{name: value for name, value in table.items() if name != "kind"})
+
+
+def _window(value: object) -> object:
+    table = window_table(value)
+    return Window(**table) if isinstance(table, dict) else value
+
+
+def _eye(value: object) -> object:
+    table = window_table(value)
+    return Eye(**table) if isinstance(table, dict) else value
+
+
+def _listed(value: object) -> object:
+    """Accept one object or window in place of a list."""
+    return [value] if isinstance(value, (str, dict, Placed)) else value
+
+
+if TYPE_CHECKING:  # read as objects; a user may give anything that becomes such a tuple
+    Objects = tuple[SceneObject, ...] | Any
+    RoomWindows = tuple[Window, ...] | Any
+else:
+    Objects = Annotated[
+        tuple[Annotated[SerializeAsAny[SceneObject], BeforeValidator(_object)], ...],
+        Field(max_length=MOST_OBJECTS),
+        BeforeValidator(_listed),
+    ]
+    RoomWindows = Annotated[
+        tuple[Annotated[Window, BeforeValidator(_window)], ...],
+        Field(max_length=MOST_WINDOWS),
+        BeforeValidator(_listed),
+    ]
+
+
+class Room(Scene):
+    """Objects and windows that stand anywhere: `Room([Window(alpha=90), Piece(z=2)], eye=Eye(z=-6))`."""
+
+    name: ClassVar[str] = "room"
+    subject: ClassVar[str] = "a room with windows that bend light"
+
+    object: Objects = Field(default=(), description="an object, such as kind=sphere,x=1,z=2; up to 100")
+    window: RoomWindows = Field(default=(), description="a window, such as alpha=90,x=-2,yaw=30; up to 20")
+    eye: Annotated[Eye, BeforeValidator(_eye)] = Field(default=Eye(), description="the eye, such as x=1,z=-8,view=4")
+
+    def __init__(self, things: Iterable[Placed] = (), /, **values: Any) -> None:  # noqa: ANN401  (the fields' values)
+        """Make a room of objects and windows, or of the lists `object` and `window`."""
+        for thing in things:
+            name = "window" if isinstance(thing, Window) else "object"
+            values[name] = [*values.get(name, ()), thing]
+        super().__init__(**values)
+
+    @cached_property
+    def things(self) -> dict[str, Placed]:
+        """All objects and windows, by their names. One without a name has its kind's name and a number."""
+        found: dict[str, Placed] = {}
+        counts: dict[str, int] = {}
+        for thing in (*self.window, *self.object):
+            kind = "window" if isinstance(thing, Window) else thing.kind
+            counts[kind] = counts.get(kind, 0) + 1
+            found[thing.name or f"{kind}{counts[kind]}"] = thing
+        return found
+
+    @property
+    def camera(self) -> Camera:
+        return self.eye.camera
+
+    @cached_property
+    def openings(self) -> Sequence[Opening]:
+        return [window.opening for window in self.window]
+
+    @property
+    def contents(self) -> Sequence[SceneObject]:
+        return self.object
+
+    @model_validator(mode="after")
+    def _check_room(self) -> Self:
+        names = [thing.name or name for name, thing in self.things.items()]
+        if len(names) < len(self.window) + len(self.object):
+            every = [thing.name for thing in (*self.window, *self.object)]
+            twice = next((name for name in every if name and every.count(name) > 1), "")
+            raise ValueError(f"name = {shown(twice)}: two things have it; allowed: different names")
+        # the model is frozen
+        object.__setattr__(self, "window", tuple(checks.with_index(each, self.wavelength) for each in self.window))
+        checks.check_apart(self.things, self.camera.eye)
+        return self
+
+
+SCENES[Room.name] = Room

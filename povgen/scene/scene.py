@@ -1,0 +1,210 @@
+"""What every scene has: an eye, windows, objects, light and a background. A scene never changes. Variants are copies.
+
+Lengths are in tiles (the side of a floor tile), angles in degrees. x points right, y up and z away from the eye.
+"""
+
+import time
+from collections.abc import Iterable, Sequence
+from itertools import islice
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from numpy.random import Generator
+from pydantic import BeforeValidator, Field
+
+from povgen import limits
+from povgen.errors import InputError, input_errors, one_line, shown
+from povgen.inputs import pictures
+from povgen.inputs.fields import PictureFile, PictureSize
+from povgen.objects.scene_object import SceneObject
+from povgen.objects.window import RIM
+from povgen.optics.rays import AT_ONCE, Bundle, Opening, Traced, trace_windows
+from povgen.record import Record, in_use, info
+from povgen.scene.camera import Camera
+from povgen.sheets.layered import Layered
+from povgen.sheets.parameters import WAVELENGTH
+from povgen.sheets.sheet import Ideal, Sheet
+from povgen.validation import Model
+
+PATIENCE = 120  # CPU seconds in which a record's frames are checked; 10,000 frames of a window of prisms take 4
+
+
+class Scene(Model):
+    """What all scenes share: light and background, and what follows from eye, windows and objects."""
+
+    name: ClassVar[str]
+    subject: ClassVar[str]
+    rim: ClassVar[float] = RIM  # width of a window frame's sides, tiles
+
+    wavelength: Annotated[float, Field(ge=180, le=10000)] = Field(
+        default=WAVELENGTH,
+        description="wavelength of light, for the index of a glass, 180 to 10000 nm; "
+        "the picture's colours do not change",
+    )
+    fresnel: bool = Field(
+        default=False, description="partial reflection at every face of the prisms; takes 4 to 13 times as long"
+    )
+    background: Literal["sky", "transparent", "black", "white"] = Field(
+        default="sky", description="what is behind the scene: sky, transparent (PNG only), black or white"
+    )
+    sky: Annotated[PictureFile | None, BeforeValidator(pictures.sky)] = Field(
+        default=None,
+        description="mountains (povgen's own), or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
+        "file, equirectangular, whose middle is straight ahead; with background = sky",
+    )
+
+    @classmethod
+    def from_file(cls, path: object) -> Self:
+        """Return the scene of a picture's file, with every parameter. It has the class that the file states.
+
+        Raises InputError for a file that povgen did not write, for a movie, and for a scene of another class.
+        """
+        first, *others = cls.list_from_file(path)
+        if others:
+            raise InputError(
+                f"{str(path)!r}: a movie of {len(others) + 1} frames; allowed: a picture, or list_from_file"
+            )
+        return first
+
+    @classmethod
+    def list_from_file(cls, path: object) -> list[Self]:
+        """Return the scene of every frame of a movie's file, or the one of a picture's file, with every parameter.
+
+        Raises InputError for a file that povgen did not write, and for scenes of another class.
+        """
+        _, scenes = recorded(path, cls)
+        return scenes
+
+    @property
+    def camera(self) -> Camera:
+        """The eye, and the rectangle that the picture shows."""
+        raise NotImplementedError
+
+    @property
+    def openings(self) -> Sequence[Opening]:
+        """The windows as in `optics.rays`, with the sheet in each."""
+        raise NotImplementedError
+
+    @property
+    def contents(self) -> Sequence[SceneObject]:
+        """The objects, the floor among them."""
+        raise NotImplementedError
+
+    @property
+    def outlines(self) -> tuple[str, ...]:
+        """The names of the parameters that draw an outline on the picture, and are true."""
+        return ()
+
+    @property
+    def sheets(self) -> tuple[Sheet, ...]:
+        """The sheet in each window, in the order of `openings`."""
+        return tuple(opening.sheet for opening in self.openings)  # type: ignore[misc]  # an Element is a Sheet here
+
+    @property
+    def layered(self) -> tuple[Layered, ...]:
+        """The sheets of prisms or lenses, in the order of `openings`."""
+        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Layered))
+
+    @property
+    def ideal(self) -> tuple[Ideal, ...]:
+        """The ideal sheets, in the order of `openings`."""
+        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Ideal))
+
+    @property
+    def has_prisms(self) -> bool:
+        """Whether the sheets of a window consist of prisms, or of lenses."""
+        return bool(self.layered)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no window has a sheet."""
+        return {sheet.name for sheet in self.sheets} <= {"none"}
+
+    @property
+    def tile(self) -> int:
+        """POV-Ray's units per tile."""
+        return limits.units_per_tile(min((sheet.pitch for sheet in self.layered), default=1))
+
+    @input_errors()
+    def rays(self, size: str | Sequence[int]) -> Bundle:
+        """Return a ray from the eye for each pixel of a picture: `size` is its width and height, or text as '64x48'.
+
+        The rays' positions, in tiles, and their unit directions are arrays (height, width, 3). The first row is the top
+        one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE, and for
+        more than 40 million pixels.
+        """
+        width, height = PictureSize(size=size).size
+        if width * height > AT_ONCE:
+            raise InputError(f"size = {width}x{height}: allowed: up to {AT_ONCE} rays at once")
+        return self.camera.rays((width, height))
+
+    @input_errors()
+    def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None) -> Traced:
+        """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
+
+        Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
+        generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
+        Otherwise reflection is only total. Raises InputError for a ray that starts inside a window's sheets, and for a
+        `max_faces` that is not a whole number from 1 to 100,000.
+        """
+        return trace_windows(rays, self.openings, max_faces, partial)
+
+
+SCENES: dict[str, type[Scene]] = {}  # the classes of scenes, by their names
+
+
+def checked_scene(scene: object) -> Scene:
+    """Return the scene. Raises InputError if it is none."""
+    if not isinstance(scene, Scene) or not hasattr(scene, "name"):  # `Scene` itself has no name
+        allowed = " or ".join(f"{kind.__name__}(...)" for kind in SCENES.values())
+        raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: {allowed}")
+    return scene
+
+
+def checked_scenes(scenes: Iterable[object], most: int) -> list[Scene]:
+    """Return the scenes as a list. Raises InputError for more than `most`, as of an endless generator, or for no scene.
+
+    An empty list is allowed.
+    """
+    found = [checked_scene(scene) for scene in islice(scenes, most + 1)]
+    if len(found) > most:
+        raise InputError(f"more than {most} scenes; allowed: up to {most}")
+    return found
+
+
+def recorded(path: Any, kind: type[Scene] = Scene) -> tuple[Record, list[Any]]:  # noqa: ANN401  (any object)
+    """Return the record in a file that povgen wrote, and the scene of every frame, of this class. Raises InputError."""
+    record = info(path)
+    try:
+        return record, of_record(record, kind)
+    except InputError as error:
+        raise InputError(f"{str(path)!r}: its record, of povgen {one_line(record.povgen)[:20]}: {error}") from None
+
+
+def of_record(record: Record, kind: type[Scene] = Scene) -> list[Scene]:
+    """Return the scene of every frame of a record, of this class. Raises InputError.
+
+    The record can be a stranger's: every value is checked, and no file is read.
+    """
+    known = {**SCENES, **({kind.name: kind} if hasattr(kind, "name") else {})}
+    known = {name: scene for name, scene in known.items() if issubclass(scene, kind)}
+    made: list[Scene] = []
+    end = time.process_time() + PATIENCE
+    with in_use(record):
+        for values in record.values:
+            if time.process_time() > end:
+                count = f"{len(made)} of {len(record.frames)} were checked within {PATIENCE} s"
+                raise InputError(f"frames: {count}; allowed: frames that take less time")
+            name, windows = values.get("scene"), values.get("window", [])
+            if not isinstance(name, str) or name not in known:
+                raise InputError(f"scene = {shown(name)}: allowed: {', '.join(known)}")
+            if not (isinstance(windows, list) and all(isinstance(window, dict) for window in windows)):
+                raise InputError(f"window = {shown(windows)}: should be a list of tables")
+            own = {key: value for key, value in values.items() if key != "scene"}
+            made.append(known[name](**_without_index(own | {"window": [*map(_without_index, windows)]})))
+    return made
+
+
+def _without_index(window: dict[str, Any]) -> dict[str, Any]:
+    """Return the values of a scene or of a window without the index if a glass is named: it follows from the glass."""
+    named = window.get("glass") not in (None, "none")
+    return {name: value for name, value in window.items() if not (named and name == "index")}
