@@ -14,7 +14,8 @@ from panels import PANELS
 
 from povgen import Chess, MovieSpec, live, to_pov
 from povgen.page.page import ALL_KINDS, KEPT
-from povgen.scene.scene import SCENES, Scene
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import SCENES
 from povgen.sheets import PARAMETERS
 
 PROJECT = Path(__file__).parents[1]

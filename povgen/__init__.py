@@ -29,7 +29,7 @@ def _shown_in_notebooks() -> None:
     if shell is not None:
         formatter = shell.display_formatter.formatters["image/png"]
         formatter.for_type_by_name(
-            "povgen.scene.scenes", "Scene", lambda scene: import_module("povgen.video.still").as_file(scene)
+            "povgen.scene.scene", "Scene", lambda scene: import_module("povgen.video.still").as_file(scene)
         )
 
 

@@ -6,8 +6,8 @@ from povgen.optics.rays import Bundle as Bundle
 from povgen.record import info as info
 from povgen.rendering.auto import cheapest as cheapest
 from povgen.rendering.results import results as results
-from povgen.scene.scene import Scene as Scene
 from povgen.scene.scenes import Chess as Chess
+from povgen.scene.scenes import Scene as Scene
 from povgen.scene.scenes import Spheres as Spheres
 from povgen.scene.sdl import to_pov as to_pov
 from povgen.scene.sdl import to_sheets as to_sheets

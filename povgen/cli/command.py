@@ -13,7 +13,8 @@ from pydantic_core import PydanticUndefined
 
 from povgen.errors import InputError
 from povgen.inputs import mesh
-from povgen.scene.scene import SCENES, Scene
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering, Sampling
 from povgen.sheets import PAPER, PARAMETERS, USED_BY
 

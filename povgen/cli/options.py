@@ -15,7 +15,8 @@ from povgen.record import PICTURES, Record, check_unasked
 from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
 from povgen.rendering.frames import drawn_by
-from povgen.scene.scene import SCENES, Scene, recorded
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import SCENES, recorded
 from povgen.settings import Rendering
 from povgen.version import __version__
 

@@ -26,7 +26,7 @@ from povgen.record import held
 
 MAX_BYTES = 10**8  # of a file
 WIDTH = 2.0  # of a copy of the floor's picture, tiles
-NAME = re.compile(r"picture-[0-9a-f]{64}\.(?:png|hdr)")
+NAME = re.compile(r"picture-[0-9a-f]{64}\.(?:png|hdr)|rays-[0-9a-f]{64}\.inc")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

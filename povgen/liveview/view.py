@@ -16,8 +16,8 @@ from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.scene import SCENES, Scene, checked_scene
-from povgen.scene.scenes import input_files, pieces
+from povgen.scene.scene import Scene, checked_scene
+from povgen.scene.scenes import SCENES, input_files, pieces
 from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.shader import surroundings
 from povgen.validation import Model

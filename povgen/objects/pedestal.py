@@ -15,7 +15,7 @@ class Pedestal(SceneObject):
     width: Length = Field(default=0.86, description="side of its square base and cap, 0.01 to 1000 tiles")
     height: Length = Field(default=0.8, description="height, 0.01 to 1000 tiles")
 
-    declarations = '{% include "pedestal.pov.j2" %}'
+    declarations = ('{% include "pedestal.pov.j2" %}',)
     sdl = "object { Plinth({{ n }}Width/2, {{ n }}Height) }"
     glsl = """
 float reach_pedestal(vec3 o, vec3 d, vec4 n, float most) {  // n: half the width, height

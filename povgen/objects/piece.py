@@ -20,13 +20,15 @@ class Piece(SceneObject):
     )
     color: Colour = Field(default="#e7b56f", description="colour of the wood: a name, or a code such as #c87529")
 
-    declarations = '{% include "piece_wood.pov.j2" %}'
-    sdl = """{% if each.piece is not file %}
+    declarations = (
+        '{% include "piece_wood.pov.j2" %}',
+        """{% if each.piece is not file %}
 {% include "pieces/" ~ each.piece ~ ".pov.j2" %}
-
-{% endif %}
-object {
-  {{ "OwnPiece_%d" % (own.index(each.piece) + 1) if each.piece is file else "Piece" }}
+#declare {{ each.piece.capitalize() }}Piece = object { Piece }
+{% endif %}""",
+    )
+    sdl = """object {
+  {{ "OwnPiece_%d" % (own.index(each.piece) + 1) if each.piece is file else each.piece.capitalize() ~ "Piece" }}
   Wood(<{{ "%.4g, %.4g, %.4g" % each.colour }}>)
 }"""
     # A distance field, made from the piece's text in POV-Ray's language (povgen/rendering/volumes.py): a 3D texture of

@@ -30,7 +30,7 @@ class SceneObject(Placed):
     title: ClassVar[str]  # what it is, in a few words
     # Jinja templates: what the text for POV-Ray declares before the object, and the object itself, without its place.
     # `each` is the object, and `n` begins the names of its parameters.
-    declarations: ClassVar[str] = ""
+    declarations: ClassVar[Sequence[str]] = ()
     sdl: ClassVar[str]
     # Functions of GLSL. `n` are the object's `numbers`, o and d a ray's origin and unit direction, p a point of the
     # surface: float reach_KIND(o, d, n, most), how far along the ray the surface is, or `most`;

@@ -289,16 +289,52 @@ def trace_windows(
         raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
     sheets = [window.sheet.layers_at(0.0, 0) for window in windows]
+    way = _way(rays, windows, sheets, most, partial)
+    every = (*vars(way.rays).values(), np.stack(way.met, 1) if way.met else np.empty((len(way.rays.end), 0), np.int32))
+    return Traced(*(values.reshape((*rays.shape, *values.shape[1:])) for values in every))
+
+
+def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Indices, Floats, Floats]]:
+    """Follow a bundle as `trace_windows` does. Return the rays behind the first ideal sheet that each passes ...
+
+    For each number of ideal sheets passed, from 1, these are the numbers of the rays (n,) in the flat bundle, in their
+    order, and their positions and directions (n, 3) behind the sheet.
+    """
+    windows = list(windows)
+    way = _way(rays, windows, [window.sheet.layers_at(0.0, 0) for window in windows], most, None)
+    count = np.zeros(len(way.rays.end), int)
+    legs: list[list[tuple[Indices, Floats, Floats]]] = []
+    for i, position, direction in way.bent:
+        for leg in np.unique(count[i]):
+            some = count[i] == leg
+            legs += [[] for _ in range(len(legs), leg + 1)]
+            legs[leg].append((i[some], position[some], direction[some]))
+        count[i] += 1
+    found = []
+    for parts in legs:
+        i, position, direction = (np.concatenate(each) for each in zip(*parts, strict=True))
+        order = np.argsort(i, kind="stable")
+        found.append((i[order], position[order], direction[order]))
+    return found
+
+
+def _way(
+    rays: Bundle,
+    windows: Sequence[Opening],
+    sheets: Sequence[Sequence[GlassSheet]],
+    most: int,
+    partial: "np.random.Generator | None",
+) -> "_Way":
+    """Return rays that have been followed to their ends."""
     n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
     found = Rays.starting(position, direction.copy(), most if layers else 0, layers)
     found.end[:], found.designed[:] = End.BESIDE, True
     way = _Way(found, [window.deep for window in windows], sheets, most, partial)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        met = way.run()
+        way.run()
     found.designed &= found.end == End.THROUGH
-    every = (*vars(found).values(), met)
-    return Traced(*(values.reshape((*rays.shape, *values.shape[1:])) for values in every))
+    return way
 
 
 @dataclass
@@ -311,9 +347,11 @@ class _Way:
     most: int
     partial: "np.random.Generator | None"
     met: list[NDArray[np.int32]] = field(default_factory=list)  # the windows that the rays have met, one after another
+    # the rays that ideal sheets have bent: their numbers, positions and directions, in the scene's coordinates
+    bent: list[tuple[Indices, Floats, Floats]] = field(default_factory=list)
 
-    def run(self) -> NDArray[np.int32]:
-        """Follow each ray to its end. Return the windows that it meets, as in `Traced`."""
+    def run(self) -> None:
+        """Follow each ray to its end."""
         i = np.arange(len(self.rays.end))
         last = np.full(len(i), -1)
         while True:
@@ -321,7 +359,7 @@ class _Way:
             i, distance, met = i[met >= 0], distance[met >= 0], met[met >= 0]
             if not len(i) or len(self.met) == MOST_CROSSINGS:
                 self.rays.end[i] = End.UNFINISHED
-                return np.stack(self.met, 1) if self.met else np.empty((len(self.rays.end), 0), np.int32)
+                return
             self.met.append(np.full(len(self.rays.end), -1, np.int32))
             self.met[-1][i] = met
             numbers = np.unique(met)
@@ -370,6 +408,8 @@ class _Way:
             ends[(ends == End.THROUGH) & framed] = End.FRAME
         self.rays.position[i], self.rays.direction[i] = window.pose.scene(position, direction)
         back, leaves = ends == End.BACK, ends <= End.BACK
+        if not self.sheets[w]:
+            self.bent.append((i[leaves], self.rays.position[i[leaves]], self.rays.direction[i[leaves]]))
         returned = (self.rays.end[i] == End.BACK) ^ back
         self.rays.end[i] = np.where(leaves, np.where(returned, End.BACK, End.THROUGH), ends)
         return i[leaves]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from povgen import remedies
-from povgen.errors import InputError
+from povgen.errors import InputError, TransientError
 from povgen.inputs import hdr
 from povgen.inputs.hdr import Light
 
@@ -98,17 +98,43 @@ def from_exr(path: Path, size: tuple[int, int]) -> Path:
     The light is not clipped before it is reduced. If the EXR file is damaged, its own path is returned. Whoever reads
     this as a frame finds that it is damaged. Raises InputError if OpenEXR is not installed.
     """
-    library = exr()
     try:
-        with library.File(str(path)) as file:
-            light = np.asarray(file.channels()["RGB"].pixels, np.float32)
+        light = _exr(path)
     except (KeyError, OSError, RuntimeError, ValueError):  # what OpenEXR raises
         return path
+    return write(light, size, True, path.parent)
+
+
+def _exr(path: Path) -> Light:
+    with exr().File(str(path)) as file:
+        return np.asarray(file.channels()["RGB"].pixels, np.float32)
+
+
+def read(path: Path, size: tuple[int, int]) -> Light:
+    """Return the light (height, width, 3) of POV-Ray's picture of this size: an EXR file, or a PPM file of 16 bits.
+
+    Raises TransientError if the file is damaged.
+    """
+    try:
+        if path.suffix == ".exr":
+            return _exr(path)
+        numbers = np.frombuffer(path.read_bytes()[-6 * size[0] * size[1] :], ">u2")
+        return numbers.reshape(size[1], size[0], 3).astype(np.float32) / np.float32(65535)
+    except (KeyError, OSError, RuntimeError, ValueError):
+        raise TransientError("the picture is not whole (is the disk full?)") from None
+
+
+def write(light: Light, size: tuple[int, int], is_light: bool, folder: Path) -> Path:
+    """Write light (height, width, 3), reduced to this width and height, as a frame in a folder. Return its path."""
     if light.shape[:2] != size[::-1]:
         light = np.stack([_reduced(light[..., colour], size) for colour in range(3)], axis=-1)
-    frame = path.with_suffix(".light")
-    frame.write_bytes(packed(light))
-    return frame
+    if is_light:
+        frame = folder / "frame.light"
+        frame.write_bytes(packed(light))
+        return frame
+    picture = np.asarray(hdr.encoded(light.clip(0, 1)) + np.float32(0.5), np.uint8)
+    Image.fromarray(picture).save(folder / "frame.png", format="PNG")
+    return folder / "frame.png"
 
 
 def as_16_bits(light: Light) -> NDArray[np.uint16]:

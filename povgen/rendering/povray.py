@@ -18,8 +18,9 @@ from functools import cache
 from itertools import count
 from pathlib import Path
 from threading import Thread
-from typing import IO
+from typing import IO, NamedTuple
 
+import numpy as np
 import platformdirs
 
 from povgen import files, remedies, stopping
@@ -28,6 +29,7 @@ from povgen.inputs import pictures
 from povgen.inputs.pieces import PieceFile
 from povgen.rendering import light, sandbox
 from povgen.rendering.parallel import tried
+from povgen.scene import traced_rays
 from povgen.scene.sdl import origin_of
 from povgen.settings import Rendering
 
@@ -88,7 +90,27 @@ def library_files() -> list[str]:
     return [f"{path} {status.st_size} {status.st_mtime_ns}" for path, status in found]
 
 
-def command(binary: str, rendering: Rendering, threads: int = 1) -> list[str]:
+class Band(NamedTuple):
+    """A picture of single rays, one for each pixel: what `Rendering` is for other pictures."""
+
+    size: tuple[int, int]
+    timeout: float
+    is_light: bool
+    supersampling: float = 1
+
+    @property
+    def file(self) -> str:
+        """The name of POV-Ray's picture."""
+        return "rays.exr" if self.is_light else "rays.ppm"
+
+    @property
+    def picture_options(self) -> list[str]:
+        """POV-Ray's options for the file format, linear light, and the size."""
+        kind = ["+FE"] if self.is_light else ["+FP16", "File_Gamma=1"]
+        return [*kind, f"+W{self.size[0]}", f"+H{self.size[1]}", "-A"]
+
+
+def command(binary: str, rendering: Rendering | Band, threads: int = 1) -> list[str]:
     """Return POV-Ray's command line for the scene in its work folder: no display, errors in a file."""
     return [
         *(binary, f"+I{SCENE}", f"+O{rendering.file}", *rendering.picture_options),
@@ -228,12 +250,32 @@ class Runner:
         PovrayError if POV-Ray is missing, refuses the scene or was stopped. Raises OSError if the disk is full.
         """
         attempts = count(1)
-        path = tried(lambda: self._run(source, rendering, folder.resolve() / str(next(attempts))))
+        shown_files = pictures.used(source)
+        if rays := next((name for name in shown_files if name.startswith("rays-")), None):
+            return self._by_rays(source, rendering, folder.resolve(), shown_files, rays)
+        path = tried(lambda: self._run(source, rendering, folder.resolve() / str(next(attempts)), shown_files))
         if rendering.is_light or rendering.supersampling > 1:
             if rendering.is_light:
                 return light.from_exr(path, rendering.size)
             light.reduce_file(path, rendering.size)
         return path
+
+    def _by_rays(
+        self, source: str, rendering: Rendering, folder: Path, shown_files: dict[str, bytes], rays: str
+    ) -> Path:
+        """Render a picture from single rays, in bands, and return its path. `rays` is the name of the rays' file."""
+        attempts = count(1)
+        depth = rendering.antialias[2] if isinstance(rendering.antialias, tuple) else rendering.supersampling
+        width, height = (round(depth * pixels) for pixels in rendering.size)
+        given = traced_rays.of_file(shown_files[rays])
+        found, ends = traced_rays.Found.of(given, (width, height)), []
+        for number, rows, table in found.bands(given.tile):
+            # the first row of POV-Ray's picture shows no ray of the table
+            band = Band((traced_rays.COLUMNS, rows + 1), rendering.timeout, rendering.is_light)
+            parts = {**shown_files, rays: table}
+            picture = tried(lambda: self._run(source, band, folder / str(next(attempts)), parts))  # noqa: B023
+            ends.append(light.read(picture, band.size)[1:].reshape(-1, 3)[:number])
+        return light.write(found.picture(np.concatenate(ends)), rendering.size, rendering.is_light, folder)
 
     def stop(self) -> None:
         """Kill every POV-Ray process of this runner, and start no more."""
@@ -242,12 +284,11 @@ class Runner:
             for process in self._running:
                 process.kill()
 
-    def _run(self, source: str, rendering: Rendering, folder: Path) -> Path:
+    def _run(self, source: str, rendering: "Rendering | Band", folder: Path, shown_files: dict[str, bytes]) -> Path:
         config = folder / ".povray" / "3.7" / "povray.conf"
         config.parent.mkdir(parents=True, exist_ok=True)
         config.write_text(f'{CONFIG}read* = "{library()}"\n')
         (folder / SCENE).write_text(source, "utf-8")
-        shown_files = pictures.used(source)
         for name, content in shown_files.items():
             (folder / name).write_bytes(content)
         # POV-Ray writes 20 bytes a pixel to this file, to continue an interrupted render. povgen does not need them.
@@ -336,7 +377,7 @@ def _read_last(pipe: IO[bytes], last: bytearray, part: Callable[[float], None] |
             del last[:-MAX_MESSAGES]
 
 
-def _failure(rendering: Rendering, folder: Path, status: int, messages: str, out_of_memory: str) -> Exception:
+def _failure(rendering: Rendering | Band, folder: Path, status: int, messages: str, out_of_memory: str) -> Exception:
     """Return the error to raise if POV-Ray made no picture, with POV-Ray's message, file and line.
 
     `out_of_memory` is what the error says if memory is the reason.

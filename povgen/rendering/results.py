@@ -13,7 +13,8 @@ from povgen.errors import InputError, shown
 from povgen.progress import bar
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
 from povgen.scene.quantities import QUANTITIES, parameters
-from povgen.scene.scene import SCENES, Scene, checked_scenes
+from povgen.scene.scene import Scene, checked_scenes
+from povgen.scene.scenes import SCENES
 from povgen.validation import as_flag, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long

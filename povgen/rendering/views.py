@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from povgen.errors import InputError, shown
 from povgen.inputs.hdr import encoded
 from povgen.rendering.light import Picture, linear
-from povgen.scene.scene import SCENES, Scene
+from povgen.scene.camera import Camera
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import SCENES, AxialScene
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw
@@ -31,12 +33,13 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
         raise InputError(
             f"{scene.outlines[0]} = true: it is drawn with 8 bits, not {rendering.bits}; allowed: bits = 8"
         )
-    x, y = scene.eye
-    half = rendering.eye_distance / 2
-    eyes = [(x, y)] if rendering.stereo == "none" else [(round(x - half, 12), y), (round(x + half, 12), y)]
     backgrounds = ["black", "white"] if scene.background == "transparent" else [scene.background]
-    if len(eyes) * len(backgrounds) == 1:
-        return [scene]
+    if rendering.stereo == "none":
+        return [scene] if len(backgrounds) == 1 else [scene.replace(background=sky) for sky in backgrounds]
+    if not isinstance(scene, AxialScene):
+        raise InputError(f"stereo = {rendering.stereo!r}: not for a room; allowed: none")
+    (x, y), half = scene.eye, rendering.eye_distance / 2
+    eyes = [(round(x - half, 12), y), (round(x + half, 12), y)]
     try:
         return [scene.replace(eye=eye, background=sky, view=scene.view) for eye in eyes for sky in backgrounds]
     except InputError as error:
@@ -53,7 +56,7 @@ def check_gl(scene: Scene) -> None:
         if any(getattr(sheet, name) for each in scene.layered for sheet in each.layers_at(0.0, 0)):
             raise InputError(f"error: {name}: the renderer gl draws equal prisms; allowed: with --renderer povray")
     for sheet in scene.ideal:
-        if isinstance(sheet, OwnLaw) and not _fits_32_bits(sheet, scene):
+        if isinstance(sheet, OwnLaw) and not _fits_32_bits(sheet, scene.camera):
             raise InputError(
                 f"law = {shown(sheet.values['law'])}: the renderer gl computes with 32-bit numbers; "
                 "allowed: parts of 1e-38 to 3e38, or --renderer povray"
@@ -63,11 +66,11 @@ def check_gl(scene: Scene) -> None:
         raise InputError(f"scene = {shown(scene)}: the renderer gl does not know this class; allowed: {allowed}")
 
 
-def _fits_32_bits(sheet: OwnLaw, scene: Scene) -> bool:
+def _fits_32_bits(sheet: OwnLaw, camera: Camera) -> bool:
     """Return whether a law bends most rays alike with 32-bit numbers, as shaders compute it, and with 64 bits."""
-    side = np.linspace(-0.47, 0.49, 15) * scene.aperture
+    side = np.linspace(-0.47, 0.49, 15) * sheet.aperture
     place = side + 1j * side[:, None]
-    ray = np.stack(((place - scene.E).real, (place - scene.E).imag, np.full(place.shape, scene.z2)), -1)
+    ray = camera.through(place).direction
     right = sheet.bend(ray, place)
     off = np.linalg.norm(sheet.law.bend_in_32_bits(ray, place, sheet.numbers) - right, axis=-1)
     lit = np.isfinite(right[..., 0])

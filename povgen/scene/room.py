@@ -8,14 +8,15 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from povgen.errors import InputError, shown
+from povgen.inputs.pictures import File
 from povgen.objects import OBJECTS
 from povgen.objects.placed import Coordinate, Placed
 from povgen.objects.scene_object import SceneObject
 from povgen.objects.window import Window
 from povgen.optics.rays import Opening
-from povgen.scene import checks
+from povgen.scene import checks, traced_rays
 from povgen.scene.camera import Camera
-from povgen.scene.scene import SCENES, Scene
+from povgen.scene.scene import Scene
 from povgen.scene.windows import window_table
 from povgen.validation import Model
 
@@ -138,6 +139,11 @@ class Room(Scene):
     def openings(self) -> Sequence[Opening]:
         return [window.opening for window in self.window]
 
+    @cached_property
+    def rays_file(self) -> File | None:
+        """The file of the rays with which POV-Ray shows ideal windows; None without such windows."""
+        return traced_rays.file(self.openings, self.camera, self.tile)
+
     @property
     def contents(self) -> Sequence[SceneObject]:
         return self.object
@@ -153,6 +159,3 @@ class Room(Scene):
         object.__setattr__(self, "window", tuple(checks.with_index(each, self.wavelength) for each in self.window))
         checks.check_apart(self.things, self.camera.eye)
         return self
-
-
-SCENES[Room.name] = Room

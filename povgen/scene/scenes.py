@@ -38,6 +38,7 @@ from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joi
 from povgen.optics.trace import End
 from povgen.scene import checks
 from povgen.scene.predictions import Predicted
+from povgen.scene.room import Room
 from povgen.scene.scene import SCENES, Scene
 from povgen.scene.windows import FurtherWindow
 from povgen.sheets.profile import ProfileFile
@@ -384,7 +385,8 @@ def used_parameters(scene: AxialScene) -> set[str]:
 
 def profile_files(scene: Scene) -> list[ProfileFile]:
     """Return the files that state profiles of a scene's windows, also those that its sheets do not use."""
-    return [window.profile for window in scene.parameter_sets if isinstance(window.profile, ProfileFile)]
+    sets = scene.parameter_sets if isinstance(scene, AxialScene) else getattr(scene, "window", ())
+    return [each.profile for each in sets if isinstance(each.profile, ProfileFile)]
 
 
-SCENES |= {scene.name: scene for scene in (Chess, Spheres)}
+SCENES |= {scene.name: scene for scene in (Chess, Spheres, Room)}

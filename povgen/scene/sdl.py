@@ -22,12 +22,16 @@ from povgen.inputs.fields import rgb
 from povgen.inputs.mesh import TALLEST
 from povgen.inputs.pieces import FILE_RADIUS, PieceFile
 from povgen.objects import OBJECTS
+from povgen.objects.scene_object import SceneObject
+from povgen.objects.window import Window
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene import cells, laws, materials
+from povgen.scene.room import Room
 from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import PEDESTAL_EDGE
+from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene
 from povgen.scene.survey import Survey, max_trace_level
+from povgen.scene.traced_rays import HOLD_OUT
 from povgen.settings import Sampling
 from povgen.sheets import SHEETS
 from povgen.sheets.layered import Layered
@@ -67,6 +71,7 @@ def _environment() -> Environment:
     environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "ensure_ascii": False}  # a page is UTF-8
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     environment.filters["repr"] = repr
+    environment.filters["sdl_name"] = _sdl_name
     environment.filters["zip"] = zip
     environment.tests["file"] = lambda piece: isinstance(piece, PieceFile)
     environment.filters["floats"] = materials.floats
@@ -135,8 +140,11 @@ def to_pov(
             "background = 'transparent': povgen composes this picture from one in front of black and one in front of "
             "white; allowed: 'sky', 'black' or 'white'"
         )
-    shown_by = cells.template(scene)
     sampling = Sampling(**options).suited(scene.has_prisms)
+    if isinstance(scene, Room):
+        return _room(scene, max_trace_level(scene, found), sampling, file)
+    assert isinstance(scene, AxialScene)
+    shown_by = cells.template(scene)
     first = scene.sheets[0]
     built = first.layers_at(0.0, 0) if isinstance(first, PrismPair) and not first.is_exact else ()
     return (
@@ -165,6 +173,44 @@ def to_pov(
             least_light=limits.LEAST_LIGHT,
         )
     )
+
+
+def _room(scene: Room, trace_level: int, sampling: Sampling, file: str) -> str:
+    """Return a room in POV-Ray's language."""
+    own = [*dict.fromkeys(each.shape for each in scene.object if isinstance(each.shape, PieceFile))]
+    things = {name: each for name, each in scene.things.items() if isinstance(each, SceneObject) and each.glsl}
+
+    def rendered(text: str, each: SceneObject, name: str = "") -> str:
+        return _environment().from_string(text).render(each=each, n=_sdl_name(name), own=own).rstrip("\n")
+
+    camera = scene.camera
+    return (
+        _environment()
+        .get_template("room.pov.j2")
+        .render(
+            scene=scene,
+            rays=scene.rays_file.name if scene.rays_file else "",
+            own=own,
+            input=_input(file),
+            options=" ".join(sampling.picture_options),
+            supersampling=sampling.supersampling,
+            trace_level=trace_level,
+            least_light=limits.LEAST_LIGHT,
+            floor=next((each for each in scene.object if each.kind == "floor"), None),
+            along=[a - b for a, b in zip(camera.middle, camera.eye, strict=True)],
+            hold_out=HOLD_OUT,
+            windows=[(name, each) for name, each in scene.things.items() if isinstance(each, Window)],
+            glass=[sheet for sheet in scene.sheets if isinstance(sheet, Prisms)],
+            profiles=_profiles(scene),
+            declarations=dict.fromkeys(rendered(text, each) for each in things.values() for text in each.declarations),
+            objects=[(name, each, rendered(each.sdl, each, name)) for name, each in things.items()],
+        )
+    )
+
+
+def _sdl_name(name: str) -> str:
+    """Return a name as povgen writes it in POV-Ray's language, where names in small letters are reserved."""
+    return f"{name[:1].upper()}{name[1:]}_"
 
 
 def to_sheets(scene: Scene) -> str:

@@ -16,7 +16,8 @@ from povgen.errors import InputError, shown
 from povgen.files import in_home, own_folder
 from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PIECES, PieceFile, from_folder
-from povgen.scene.scene import SCENES, Scene
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import SCENES
 from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by, window_table
 from povgen.settings import Note, preset_of
 from povgen.sheets.profile import NAMES, ProfileFile

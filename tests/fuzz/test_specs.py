@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fuzz.conftest import SPEC, cases, tried_spec
 from fuzz.values import CHARACTERS, LONG, SDL, TEXTS, right
 from povgen import MovieSpec
-from povgen.scene.scene import SCENES
+from povgen.scene.scenes import SCENES
 from povgen.scene.spec import Sweep
 
 pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long

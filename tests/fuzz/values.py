@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from povgen.cli import app
 from povgen.inputs.pieces import PIECES
-from povgen.scene.scene import SCENES
+from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 

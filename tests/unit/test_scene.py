@@ -12,7 +12,7 @@ from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene.model import APERTURE, VIEW
-from povgen.scene.scene import SCENES
+from povgen.scene.scenes import SCENES
 
 
 def test_eye_and_object_move_on_their_own():

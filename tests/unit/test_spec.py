@@ -7,7 +7,7 @@ import pytest
 from conftest import ALPHA_MOVIE, picture
 
 from povgen import Chess, InputError, MovieSpec
-from povgen.scene.scene import SCENES
+from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, Sweep, swept_numbers
 from povgen.settings import QUALITIES
 from povgen.sheets import PARAMETERS

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from povgen.cli.command import Command
-from povgen.scene.scene import recorded
+from povgen.scene.scenes import recorded
 
 
 @click.command("info", cls=Command)

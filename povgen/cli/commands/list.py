@@ -6,7 +6,7 @@ from povgen.cli.command import NAMES, Command, described
 from povgen.inputs.pieces import PIECES
 from povgen.optics.glasses import GLASSES, index
 from povgen.progress import tell
-from povgen.scene.scene import SCENES
+from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, MovieSpec
 from povgen.sheets import SHEETS
 from povgen.sheets.parameters import WAVELENGTH

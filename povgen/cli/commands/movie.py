@@ -14,7 +14,8 @@ from povgen.progress import bar, counted, tell, wrote
 from povgen.record import check_unasked
 from povgen.rendering.frames import missing, render_all, shard
 from povgen.rendering.parallel import checked_scheduler, worker_count
-from povgen.scene.scene import SCENES, Scene
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, MovieSpec, spec_file
 from povgen.settings import Rendering
 from povgen.video.build import Film, FilmOptions, Plan, check_views, film, planned

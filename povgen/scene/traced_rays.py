@@ -1,0 +1,152 @@
+"""The rays of a picture of a room with ideal windows, for POV-Ray's camera of single rays.
+
+povgen follows the ray of each pixel through all windows. POV-Ray draws what each part of it ends on: the eye's ray, and
+the ray behind each ideal window that it passes. Ideal windows have the colour HOLD_OUT. So objects before, between and
+behind the windows are seen as they are, and real prisms bend the rays by themselves.
+"""
+
+from collections.abc import Iterator, Sequence
+from hashlib import sha256
+from pickle import dumps, loads
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.inputs import pictures
+from povgen.inputs.hdr import Light
+from povgen.inputs.pictures import File
+from povgen.limits import MAX_FACES
+from povgen.optics.equations import Floats
+from povgen.optics.rays import Opening, paths
+from povgen.scene.camera import Camera, Size
+
+HOLD_OUT = (0.37109375, 0.171875, 0.6171875)  # of ideal windows: light that 16 bits hold; nothing else has it
+COLUMNS = 1000  # of POV-Ray's picture
+BAND = 1000 * COLUMNS  # rays that POV-Ray gets at once: it needs 0.3 GB for them
+PART = 200_000  # vectors that become text at once
+DIGITS, DECIMALS = 12, 3  # of a number in the table, and after its point
+
+
+class Rays(NamedTuple):
+    """All that the rays of a picture depend on, but for its size."""
+
+    openings: tuple[Opening, ...]
+    camera: Camera
+    tile: int  # POV-Ray's units per tile
+
+
+class Found(NamedTuple):
+    """Rays: first the eye's rays of all pixels, then those behind the first ideal window of each, and so on."""
+
+    size: Size
+    pixel: NDArray[np.int64]  # number of the ray's pixel, (n,)
+    position: Floats  # where it starts, (n, 3), tiles
+    direction: Floats  # (n, 3)
+
+    @classmethod
+    def of(cls, rays: Rays, size: Size) -> "Found":
+        """Follow the rays of a picture of this size."""
+        eyes = rays.camera.rays(size)
+        parts = paths(eyes, rays.openings, MAX_FACES)
+        count = size[0] * size[1]
+        return cls(
+            size,
+            np.concatenate((np.arange(count), *(i for i, _, _ in parts))),
+            np.concatenate((eyes.position.reshape(-1, 3), *(p for _, p, _ in parts))),
+            np.concatenate((eyes.direction.reshape(-1, 3), *(d for _, _, d in parts))),
+        )
+
+    def bands(self, tile: int) -> Iterator[tuple[int, int, bytes]]:
+        """Yield how many rays POV-Ray gets at once, in how many rows of COLUMNS rays, and their table as text.
+
+        The last row is filled with copies of the last ray. `tile` is POV-Ray's units per tile.
+        """
+        for first in range(0, len(self.pixel), BAND):
+            count = min(BAND, len(self.pixel) - first)
+            rows = -(-count // COLUMNS)
+            some = first + np.minimum(np.arange(rows * COLUMNS), count - 1)
+            yield count, rows, _table(self.position[some], self.direction[some], tile)
+
+    def picture(self, light: Light) -> Light:
+        """Return the picture (height, width, 3) from what each ray ends on: (n, 3), linear light.
+
+        A pixel has the light of its first ray that does not end on an ideal window. It is black if there is none.
+        """
+        count = self.size[0] * self.size[1]
+        made, open_ = np.zeros((count, 3), np.float32), np.ones(count, bool)
+        held = np.all(abs(light - np.array(HOLD_OUT, np.float32)) < 5e-4, axis=1)
+        starts = np.flatnonzero(np.concatenate(([True], np.diff(self.pixel) < 0, [True])))  # of the legs
+        for begin, end in zip(starts, starts[1:], strict=False):
+            pixel, ends, seen = self.pixel[begin:end], held[begin:end], light[begin:end]
+            shown = open_[pixel] & ~ends
+            made[pixel[shown]] = seen[shown]
+            open_[pixel[shown]] = False
+        return made.reshape(self.size[1], self.size[0], 3)
+
+
+def file(openings: Sequence[Opening], camera: Camera, tile: int) -> File | None:
+    """Return the file of a room's rays, which `pictures.used` finds in a text: the rays are traced when it is used.
+
+    None without ideal sheets: POV-Ray's own camera then shows the room.
+    """
+    if all(opening.sheet.layers_at(0.0, 0) or opening.sheet.name == "none" for opening in openings):
+        return None
+    content = dumps(Rays(tuple(openings), camera, tile))
+    return pictures.kept(f"rays-{sha256(content).hexdigest()}.inc", content)
+
+
+def of_file(content: bytes) -> Rays:
+    """Return the rays of a file that `name` has made."""
+    found = loads(content)
+    assert isinstance(found, Rays)
+    return found
+
+
+def _table(position: Floats, direction: Floats, tile: int) -> bytes:
+    """Return triangles in POV-Ray's language, one for each ray: its centre and its normal are the ray's."""
+    start = np.where(abs(direction[:, :1]) < 0.6, (1.0, 0, 0), (0, 1.0, 0))
+    u = np.cross(direction, start)
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    v = np.cross(direction, u)
+    sides = u, -u / 2 + np.sqrt(0.75) * v, -u / 2 - np.sqrt(0.75) * v
+    corners = np.stack([tile * (position + side) for side in sides], 1).reshape(-1, 3)
+    count = len(position)
+    vectors = b"".join(_vectors(corners[n : n + PART]) for n in range(0, len(corners), PART))
+    numbers = np.arange(3 * count).reshape(-1, 3)
+    faces = b"".join(_faces(numbers[n : n + PART]) for n in range(0, count, PART))
+    return b"vertex_vectors {%d%s}\nface_indices {%d%s}\n" % (3 * count, vectors, count, faces)
+
+
+def _digits(numbers: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
+    """Return the digits (..., count) of whole numbers as characters."""
+    return (numbers[..., None] // 10 ** np.arange(count - 1, -1, -1) % 10 + ord("0")).astype(np.uint8)
+
+
+def _vectors(vectors: Floats) -> bytes:
+    """Return vectors (n, 3) as text. Each number has the same number of characters: numpy writes all at once."""
+    digits = _digits(np.rint(abs(vectors) * 10**DECIMALS).astype(np.int64), DIGITS)
+    whole = DIGITS - DECIMALS
+    text = np.full((*vectors.shape, DIGITS + 3), ord(","), np.uint8)
+    text[..., 0] = np.where(vectors < 0, ord("-"), ord("+"))
+    text[..., 1 : whole + 1] = digits[..., :whole]
+    text[..., whole + 1] = ord(".")
+    text[..., whole + 2 : -1] = digits[..., whole:]
+    return _bracketed(text)
+
+
+def _faces(numbers: NDArray[np.int64]) -> bytes:
+    """Return faces (n, 3), the numbers of their corners, as text."""
+    text = np.full((*numbers.shape, 9), ord(","), np.uint8)
+    text[..., :8] = _digits(numbers, 8)
+    return _bracketed(text)
+
+
+def _bracketed(text: NDArray[np.uint8]) -> bytes:
+    """Return `,<a,b,c>` for each row of numbers (n, 3, characters), which end with a comma each."""
+    n, _, length = text.shape
+    made = np.empty((n, 3 * length + 2), np.uint8)
+    made[:, :2] = ord(","), ord("<")
+    made[:, 2:] = text.reshape(n, -1)
+    made[:, -1] = ord(">")
+    return made.tobytes()
