@@ -355,7 +355,7 @@ class _Way:
         i = np.arange(len(self.rays.end))
         last = np.full(len(i), -1)
         while True:
-            met, distance = self.nearest(i, last)
+            met, distance = nearest(self.windows, self.rays.position[i], self.rays.direction[i], last)
             i, distance, met = i[met >= 0], distance[met >= 0], met[met >= 0]
             if not len(i) or len(self.met) == MOST_CROSSINGS:
                 self.rays.end[i] = End.UNFINISHED
@@ -365,20 +365,6 @@ class _Way:
             numbers = np.unique(met)
             leaving = [self.cross(i[met == w], w, distance[met == w]) for w in numbers]
             i, last = np.concatenate(leaving), np.repeat(numbers, [*map(len, leaving)])
-
-    def nearest(self, i: Indices, last: Indices) -> tuple[Indices, Floats]:
-        """Return the window that each ray meets first, or -1, and how far away it is.
-
-        `last` is the window that each ray has just left. A straight ray does not meet it again.
-        """
-        met, nearest = np.full(len(i), -1), np.full(len(i), np.inf)
-        for w, window in enumerate(self.windows):
-            some = np.flatnonzero(last != w)
-            own = window.pose.own(self.rays.position[i[some]], self.rays.direction[i[some]])
-            begins, ends = window.outline.passage(*own, window.frame)
-            closer = (begins <= ends) & (ends >= 0) & (begins < nearest[some])
-            met[some[closer]], nearest[some[closer]] = w, begins[closer]
-        return met, np.maximum(nearest, 0)
 
     def cross(self, i: Indices, w: int, distance: Floats) -> Indices:
         """Take rays to a window at this distance, and through it. Return those that leave it."""
@@ -435,7 +421,7 @@ class _Way:
         before, place, front = (d[:, 0] + 1j * d[:, 1]) / d[:, 2], p[:, 0] + 1j * p[:, 1], d[:, 2] > 0
         after = np.empty_like(before)
         after[front] = window.sheet.slope(before[front], place[front])
-        after[~front] = _slope_of_light(window.sheet, before[~front], place[~front])
+        after[~front] = slope_of_light(window.sheet, before[~front], place[~front])
         passes = np.isfinite(after)
         ends[ahead[~passes]] = End.BLOCKED
         bent = np.column_stack((after.real, after.imag, np.ones(len(p)))) * np.sign(d[:, 2:])
@@ -467,7 +453,21 @@ class _Way:
         rays.orders[j, first : first + len(sheets)] += after.orders
 
 
-def _slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:
+def nearest(windows: Sequence[Opening], position: Floats, direction: Floats, last: Indices) -> tuple[Indices, Floats]:
+    """Return the window that each ray (n, 3) meets first, or -1, and how far away it is, or infinity.
+
+    `last` (n,) is the window that each ray has just left, or -1. A straight ray does not meet it again.
+    """
+    met, distance = np.full(len(last), -1), np.full(len(last), np.inf)
+    for w, window in enumerate(windows):
+        some = np.flatnonzero(last != w)
+        begins, ends = window.outline.passage(*window.pose.own(position[some], direction[some]), window.frame)
+        closer = (begins <= ends) & (ends >= 0) & (begins < distance[some])
+        met[some[closer]], distance[some[closer]] = w, begins[closer]
+    return met, np.maximum(distance, 0)
+
+
+def slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:
     """Return the slopes (n,) before an ideal sheet of light that has the slopes `behind` it; NaN where none passes."""
     matrix = window.transfer
     if matrix is not None and abs(np.linalg.det(matrix[2:4, 2:4])) > 1e-6:  # slope = A place + B (slope before) + c

@@ -43,6 +43,14 @@ class Camera(NamedTuple):
         place = np.asarray(position)[..., None]
         return self.along(place.real * self.right + place.imag * self.up + np.subtract(self.middle, self.eye))
 
+    def position(self, point: ArrayLike) -> NDArray[np.complex128]:
+        """Return where the eye sees points (..., 3) without windows, NaN if they are not before it."""
+        way, normal = np.subtract(point, self.eye), np.cross(self.right, self.up)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.subtract(self.middle, self.eye) @ normal / (way @ normal)
+            there = np.where(part > 0, part, np.nan)[..., None] * way - np.subtract(self.middle, self.eye)
+        return np.asarray(there @ self.right + 1j * (there @ self.up))
+
     def along(self, direction: ArrayLike) -> Bundle:
         """Return rays from the eye with these directions (..., 3) of any length."""
         return Bundle(self.eye, direction)

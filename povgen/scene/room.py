@@ -145,6 +145,10 @@ class Room(Scene):
         return traced_rays.file(self.openings, self.camera, self.tile)
 
     @property
+    def named_openings(self) -> dict[str, Opening]:
+        return dict(zip(self.things, self.openings, strict=False))  # windows come first
+
+    @property
     def contents(self) -> Sequence[SceneObject]:
         return self.object
 

@@ -5,10 +5,13 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. x points rig
 
 import time
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from itertools import islice
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field
 
 from povgen import limits
@@ -17,6 +20,8 @@ from povgen.inputs import pictures
 from povgen.inputs.fields import PictureFile, PictureSize
 from povgen.objects.scene_object import SceneObject
 from povgen.objects.window import RIM
+from povgen.optics.equations import real
+from povgen.optics.paths import Image, Paths
 from povgen.optics.rays import AT_ONCE, Bundle, Opening, Traced, trace_windows
 from povgen.record import Record, in_use, info
 from povgen.scene.camera import Camera
@@ -118,6 +123,30 @@ class Scene(Model):
     def is_empty(self) -> bool:
         """Whether no window has a sheet."""
         return {sheet.name for sheet in self.sheets} <= {"none"}
+
+    @property
+    def named_openings(self) -> dict[str, Opening]:
+        """The windows by their names: window1, window2, ..., where they have no own ones."""
+        return {f"window{n}": opening for n, opening in enumerate(self.openings, 1)}
+
+    @cached_property
+    def paths(self) -> Paths:
+        """The paths of light to the eye."""
+        return Paths(self.camera, self.named_openings)
+
+    @input_errors()
+    def images(self, point: ArrayLike) -> list[Image]:
+        """Return where the eye sees a point (x, y, z), tiles, through any windows and beside them: `optics.paths`.
+
+        There is an image for each path of the point's light, with its `position` in the picture's plane (x + iy from
+        the picture's middle, along its sides, tiles) and the names of the `windows` on the path, the nearest to the eye
+        first. The image nearest to the picture's middle comes first. If no light reaches the eye, the list is empty.
+        Objects hide nothing. Raises InputError for what is no point.
+        """
+        place = real("point", point)
+        if place.shape != (3,) or not np.isfinite(place).all():
+            raise ValueError(f"point = {shown(point)}: allowed: x, y and z, in tiles")
+        return self.paths.images(place)[0]
 
     @property
     def tile(self) -> int:
