@@ -15,6 +15,7 @@ from povgen.inputs.hdr import linear
 from povgen.inputs.pictures import File, Picture
 from povgen.objects.placed import Extent
 from povgen.objects.scene_object import Parts, SceneObject
+from povgen.optics.pose import Floats
 
 THICKNESS = 0.02  # tiles
 
@@ -23,6 +24,7 @@ class Board(SceneObject):
     """A thin board with a picture. Its place is the middle of the picture."""
 
     drawn_as: ClassVar[str] = "board"
+    point_is = "lower edge"  # a mark there covers nothing
     sdl = """union {
   box { <-{{ n }}Width/2, -{{ n }}Height/2, 0>, <{{ n }}Width/2, {{ n }}Height/2, 0.001>
     pigment {
@@ -66,6 +68,10 @@ Finish finish_board(vec3 p, vec4 n, vec3 colour) {
     def numbers(self, parts: Parts) -> tuple[float, float, float, float]:
         width, height = self.size
         return width / 2, height / 2, THICKNESS, parts.cards.index(self.picture)
+
+    @property
+    def point(self) -> Floats:
+        return np.asarray(self.pose.place - self.size[1] / 2 * self.pose.axes[1])
 
     @property
     def box(self) -> Extent:

@@ -32,6 +32,10 @@ class Floor(SceneObject):
         return self.file if isinstance(self.file, Picture) else None
 
     @property
+    def point(self) -> None:
+        return None
+
+    @property
     def box(self) -> Extent:
         """A floor takes no room: it is checked otherwise."""
         return (0, 0, 0), (0, 0, 0)

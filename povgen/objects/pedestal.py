@@ -40,6 +40,10 @@ Finish finish_pedestal(vec3 p, vec4 n, vec3 colour) { return PlinthTexture(p); }
         return self.width / 2, self.height, 0, 0
 
     @property
+    def point(self) -> None:
+        return None
+
+    @property
     def box(self) -> Extent:
         half = self.width / 2
         return (-half, 0, -half), (half, self.height, half)

@@ -6,6 +6,7 @@ from povgen.inputs.fields import Colour, PieceValue
 from povgen.inputs.pieces import HEIGHTS, PIECES, PieceFile, radius
 from povgen.objects.placed import Extent
 from povgen.objects.scene_object import Parts, SceneObject
+from povgen.optics.pose import Floats
 
 
 class Piece(SceneObject):
@@ -13,6 +14,7 @@ class Piece(SceneObject):
 
     kind = "piece"
     title = "chess piece"
+    point_is = "foot"
 
     piece: PieceValue = Field(
         default="knight",
@@ -88,6 +90,14 @@ Finish finish_piece(vec3 p, vec4 n, vec3 colour) { return Wood(colour, p); }
         r = radius(self.shape)
         top = 0.05 if isinstance(self.shape, PieceFile) else HEIGHTS[self.shape]
         return (-r, 0, -r), (r, top, r)
+
+    @property
+    def called(self) -> str:
+        return self.kind if isinstance(self.shape, PieceFile) else self.shape
+
+    @property
+    def point(self) -> Floats:
+        return self.pose.place
 
     @property
     def shape(self) -> str | PieceFile:

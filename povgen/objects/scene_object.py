@@ -7,12 +7,14 @@ POV-Ray's language (SDL) and in GLSL describe it in these coordinates. Colours a
 from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PieceFile
 from povgen.objects.placed import Placed
+from povgen.optics.pose import Floats
 
 
 class Parts(NamedTuple):
@@ -28,6 +30,7 @@ class SceneObject(Placed):
     kind: ClassVar[str]
     drawn_as: ClassVar[str] = ""  # KIND in the names of the functions in GLSL, if it is not `kind`
     title: ClassVar[str]  # what it is, in a few words
+    point_is: ClassVar[str] = "middle"  # what `point` is
     # Jinja templates: what the text for POV-Ray declares before the object, and the object itself, without its place.
     # `each` is the object, and `n` begins the names of its parameters.
     declarations: ClassVar[Sequence[str]] = ()
@@ -44,6 +47,16 @@ class SceneObject(Placed):
     def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
         """Return the numbers that the functions in GLSL need."""
         raise NotImplementedError
+
+    @property
+    def called(self) -> str:
+        """What it is, in a word, for captions."""
+        return self.kind
+
+    @property
+    def point(self) -> Floats | None:
+        """The point whose image is predicted, (3,) in the scene's coordinates, tiles. None: no prediction is needed."""
+        return np.asarray(self.pose.place + np.mean(self.box, axis=0) @ self.pose.axes)
 
     @property
     def lengths(self) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """A scene of one's own: objects and windows that stand anywhere."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
@@ -130,6 +130,10 @@ class Room(Scene):
             counts[kind] = counts.get(kind, 0) + 1
             found[thing.name or f"{kind}{counts[kind]}"] = thing
         return found
+
+    @property
+    def parts(self) -> Mapping[str, Model]:
+        return {**self.things, "eye": self.eye}
 
     @property
     def camera(self) -> Camera:

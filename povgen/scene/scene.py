@@ -4,7 +4,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. x points rig
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import islice
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -95,6 +95,11 @@ class Scene(Model):
         raise NotImplementedError
 
     @property
+    def parts(self) -> Mapping[str, Model]:
+        """What has numbers of its own, by the names in a movie's sweeps: windows, objects and eye of a room."""
+        return {}
+
+    @property
     def outlines(self) -> tuple[str, ...]:
         """The names of the parameters that draw an outline on the picture, and are true."""
         return ()
@@ -133,6 +138,12 @@ class Scene(Model):
     def paths(self) -> Paths:
         """The paths of light to the eye."""
         return Paths(self.camera, self.named_openings)
+
+    @cached_property
+    def object_images(self) -> list[tuple[SceneObject, list[Image]]]:
+        """The objects, without a floor, and the images of the point of each (`SceneObject.point`)."""
+        points = [(each, point) for each in self.contents if (point := each.point) is not None]
+        return [*zip((each for each, _ in points), self.paths.images([point for _, point in points]), strict=True)]
 
     @input_errors()
     def images(self, point: ArrayLike) -> list[Image]:

@@ -1,6 +1,7 @@
 """What a frame's caption says: the parameters of the scene, and what is predicted for it."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from math import floor, log10
 from typing import Any, NamedTuple
@@ -11,13 +12,14 @@ from numpy.typing import NDArray
 from povgen.inputs.pieces import PIECES
 from povgen.optics import equations
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
+from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
 from povgen.sheets import PARAMETERS
 from povgen.sheets.parameters import WAVELENGTH
 from povgen.sheets.prisms import PRISMS
-from povgen.sheets.sheet import Said
+from povgen.sheets.sheet import Parameter, Said, Sheet
 from povgen.video.side import image_of
 from povgen.video.text import text_width
 
@@ -25,6 +27,7 @@ SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 MOVING = 1.25  # the factor by which the text of a movie's short caption is larger: it is read while something moves
 LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
 LEAST_GROWTH = 1.4  # it states the size only if the size changes by more than this factor
+MOST_SHEETS = 4  # the caption of a room states its sheets if there are at most so many different ones
 
 Reals = NDArray[np.float64]
 
@@ -40,25 +43,24 @@ class Caption(NamedTuple):
     size: float = 1  # of the text, as a multiple of the usual size
 
 
-def captions(scenes: Sequence[AxialScene], rendering: Rendering) -> list[Caption]:
+def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
     """Return the captions of a movie's frames, or of a single picture.
 
     A short caption states what differs between the frames, and by how much an object appears turned, if that changes.
-    The short caption of a single picture states the sheets' parameters, or z1 where the sheets have none. The note
-    stands last.
+    The short caption of a single picture states the sheets' parameters, or z1 where the sheets have none. Of a room it
+    says what stands there. The note stands last.
     """
     size = 1.0
-    if rendering.caption == "full":
-        rows = [_all_said(scene, facts(scene), full=True) for scene in scenes]
-    elif rendering.caption == "short":
-        rows = (
-            _moving(scenes, rendering.side_view)
-            if len(scenes) > 1
-            else [_all_said(scenes[0], _values(scenes[0]) or {"z1": facts(scenes[0])["z1"]})]
-        )
-        size = MOVING if len(scenes) > 1 else 1.0
+    axial = [scene for scene in scenes if isinstance(scene, AxialScene)]
+    if rendering.caption == "short" and len(scenes) > 1:
+        rows = _moving(axial, rendering.side_view) if len(axial) == len(scenes) else _moving_parts(scenes)
+        size = MOVING
+    elif rendering.caption in ("short", "full"):
+        rows = [_about(scene, rendering.caption == "full") for scene in scenes]
     else:
         rows = [[] for _ in scenes]
+    if rendering.overlay and len(axial) < len(scenes):
+        rows = [[*row, *_without_image(scene)] for row, scene in zip(rows, scenes, strict=True)]
     if rendering.note:
         rows = [[*row, rendering.note] for row in rows]
     widest = [_widest(texts) for texts in zip_longest(*rows, fillvalue="")]
@@ -75,6 +77,77 @@ def _widest(texts: Sequence[str]) -> str:
     if len({len(row) for row in words}) == 1:
         return " ".join(max(each, key=text_width) for each in zip(*words, strict=True))
     return max(texts, key=text_width)
+
+
+def _about(scene: Scene, full: bool) -> list[str]:
+    """Return what the caption of a single picture says."""
+    if isinstance(scene, AxialScene):
+        values = facts(scene) if full else _values(scene) or {"z1": facts(scene)["z1"]}
+        return _all_said(scene, values, full)
+    sheets = Counter(map(_sheet, scene.sheets))
+    said = ", ".join(text if n == 1 or len(sheets) == 1 else f"{n} × {text}" for text, n in sheets.items())
+    windows = f"{_count(len(scene.sheets), 'window')}{f': {said}' if 0 < len(sheets) <= MOST_SHEETS else ''}"
+    things = Counter(each.called for each in scene.contents if each.point is not None)
+    texts = [windows, ", ".join(name if n == 1 else _count(n, name) for name, n in things.items())]
+    if full:
+        eye, to = (", ".join(_number(x, ".4g") for x in place) for place in (scene.camera.eye, scene.camera.middle))
+        texts.append(f"eye at ({eye}), looks at ({to})")
+    return [text for text in texts if text]
+
+
+def _count(number: int, name: str) -> str:
+    """Return a number of things: no window, 1 window, 2 windows."""
+    ending = "" if number < 2 else "es" if name.endswith("x") else "s"
+    return f"{number or 'no'} {name}{ending}"
+
+
+def _sheet(sheet: Sheet) -> str:
+    """Return what a room's caption says of a sheet: its name, and its numbers."""
+    values = {each.name: (text, each.said) for each, text in _texts(sheet)}
+    words = {
+        name: said.full or said.words if said else f"{SYMBOLS.get(name, name.replace('_', ' '))} = {{}}"
+        for name, (_, said) in values.items()
+    }
+    texts = {name: text for name, (text, _) in values.items()}
+    every = "".join(words.values())
+    said = [words[name].format(text, **texts) for name, text in texts.items() if f"{{{name}}}" not in every]
+    said += [f"{name} = {_number(x, '.3g')}" for name, x in sheet.values.get("parameter", {}).items()]
+    name = "empty" if sheet.name == "none" else sheet.name
+    return " ".join(said if said and said[0].startswith(name) else [name, *said])
+
+
+def _without_image(scene: Scene) -> list[str]:
+    """Return the text that names the points of which the overlay marks no image, if there are any."""
+    if isinstance(scene, AxialScene):
+        return []
+    names = {id(part): name for name, part in scene.parts.items()}
+    counts = Counter(each.called for each in scene.contents)
+    unseen = [
+        f"{each.point_is} of {each.called if counts[each.called] == 1 else names.get(id(each), each.called)}"
+        for each, images in scene.object_images
+        if not images
+    ]
+    return [f"not seen: {', '.join(unseen)}"] if unseen else []
+
+
+def _moving_parts(scenes: Sequence[Scene]) -> list[list[str]]:
+    """Return the short caption of each frame of a movie of rooms: the numbers that are not the same in all frames."""
+    rows: list[dict[tuple[str, str], float]] = [{} for _ in scenes]
+    about: dict[tuple[str, str], str] = {}
+    for scene, row in zip(scenes, rows, strict=True):
+        for part, model in scene.parts.items():
+            row |= {(part, name): x for name, x in model if type(x) in (int, float)}
+            about |= {(part, name): field.description or "" for name, field in type(model).model_fields.items()}
+    found: list[list[str]] = []
+    for part, name in dict.fromkeys(key for row in rows for key in row):
+        values = [row.get((part, name)) for row in rows]
+        if len({*values}) > 1:
+            text = about[part, name]
+            unit = _unit(name) or ("°" if "degrees" in text else " tiles" if "tiles" in text else "")
+            digits = _digits([(x,) for x in values if x is not None], unit.startswith("°"))
+            texts = ["none" if x is None else f"{x:z.{digits}f}{unit}" for x in values]
+            found.append([f"{part}: {SYMBOLS.get(name, name.replace('_', ' '))} = {text}" for text in texts])
+    return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
 
 
 def _all_said(scene: AxialScene, values: Mapping[str, str], full: bool = False) -> list[str]:
@@ -283,11 +356,7 @@ def _values(scene: AxialScene) -> dict[str, str]:
     found: dict[str, list[str]] = {}
     words: dict[str, Said | None] = {}
     for sheet in scene.sheets:
-        numbers = [each for each in sheet.parameters if each.kind == "number" and each not in PRISMS]
-        for each in numbers:
-            x = sheet.values[each.name] * (each.said.factor if each.said else 1)
-            unit = _unit(each.name)
-            text = _number(x, ".4g" if unit.startswith("°") else ".3g") + unit
+        for each, text in _texts(sheet):
             name = each.name if words.setdefault(each.name, each.said) == each.said else f"{each.name} {sheet.name}"
             found.setdefault(name, []).append(text)
         for name, x in sheet.values.get("parameter", {}).items():
@@ -296,6 +365,15 @@ def _values(scene: AxialScene) -> dict[str, str]:
         if len(texts) == len(scene.sheets) > 1 and len({*texts}) == 1:
             found[name] = [f"{texts[0]} in each window"]
     return {name: ", ".join(texts) for name, texts in found.items()}
+
+
+def _texts(sheet: Sheet) -> Iterator[tuple[Parameter, str]]:
+    """Yield the parameters of a sheet that are numbers, without those of its prisms, and the numbers as text."""
+    for each in sheet.parameters:
+        if each.kind == "number" and each not in PRISMS:
+            x = sheet.values[each.name] * (each.said.factor if each.said else 1)
+            unit = _unit(each.name)
+            yield each, _number(x, ".4g" if unit.startswith("°") else ".3g") + unit
 
 
 def _range(values: Reals, form: str = ".3g", unit: str = "") -> str:

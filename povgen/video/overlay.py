@@ -14,6 +14,7 @@ from PIL import Image, ImageDraw
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
+from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, Chess
 from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
@@ -31,6 +32,8 @@ LINE_COLOUR = R_COLOUR
 POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E: object and eye, projected onto the plane z = 0
 EDGE = (*DARK, 255)  # of points
 DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
+# of the dots on the objects of a room: text and colour
+THROUGH, DIRECTLY = ("seen through windows", P_COLOUR), ("seen directly", POINT_COLOUR)
 OUTLINES = {  # for each name in `Scene.outlines`: its text in the legend, its colour, and the colour of its edge
     "predicted_image": ("predicted image", IMAGE_COLOUR, HALO),
     "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, (*DARK, 210)),
@@ -50,7 +53,7 @@ Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to 
 
 def annotated(
     picture: NDArray[np.uint8],
-    scene: AxialScene,
+    scene: Scene,
     rendering: Rendering,
     caption: Caption | None = None,
     said: Sequence[tuple[str, Colour]] | None = None,
@@ -75,10 +78,15 @@ def annotated(
     if isinstance(scene, Chess):
         for outline in scene.outlines:
             _outline(scene, outline, shown)
-    if rendering.annotated:
-        _sheet_line(scene, shown)
-    if rendering.overlay:
-        _overlay(scene, shown)
+    if isinstance(scene, AxialScene):
+        if rendering.annotated:
+            _sheet_line(scene, shown)
+        if rendering.overlay:
+            _overlay(scene, shown)
+    elif rendering.overlay:
+        for (_, colour), places in marks(scene).items():
+            for place in places:
+                _dot(shown, _pixels(np.array([place]), scene, shown), 1.1 * max(height / 180, 2), colour)
     return made
 
 
@@ -90,11 +98,24 @@ class Item(NamedTuple):
     colour: Colour | None = None
 
 
-def legend(scene: AxialScene, rendering: Rendering) -> list[tuple[str, Colour]]:
+def marks(scene: Scene) -> dict[tuple[str, Colour], list[complex]]:
+    """Return where the eye sees a room's objects, in the picture's plane: for each text and colour of the legend.
+
+    An object that is seen several times has several marks.
+    """
+    found: dict[tuple[str, Colour], list[complex]] = {THROUGH: [], DIRECTLY: []}
+    for image in (image for _, images in scene.object_images for image in images):
+        found[THROUGH if image.windows else DIRECTLY].append(image.position)
+    return {kind: places for kind, places in found.items() if places}
+
+
+def legend(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return what the legend above the picture says: a text for each kind of mark or line on the picture.
 
     If the picture has no caption, note, side view or overlay, `rendering.annotated` is false, and there is no legend.
     """
+    if not isinstance(scene, AxialScene):
+        return [*marks(scene)] if rendering.overlay else []
     two = scene.rotates
     texts = []
     if rendering.overlay and positions(scene):
@@ -117,7 +138,7 @@ def legend(scene: AxialScene, rendering: Rendering) -> list[tuple[str, Colour]]:
     return texts
 
 
-def common_legend(scenes: Iterable[AxialScene], rendering: Rendering) -> list[tuple[str, Colour]]:
+def common_legend(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return the common legend of a movie's frames, or of the two pictures of a stereo pair: the entries of all.
 
     Then all strips are equally high, even if a point is in the window in some frames only.
@@ -228,8 +249,7 @@ def _overlay(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
     named = _named(scene)
     for place in positions(scene):
         # small, so that spheres stay visible
-        for radius, colour in ((1.9, HALO), (1.5, EDGE), (1.1, P_COLOUR)):
-            _discs(picture, pixels(np.array([place])), radius * max(thick, 2), colour)
+        _dot(picture, pixels(np.array([place])), 1.1 * max(thick, 2), P_COLOUR)
     for name, place in named.items():
         if name != "P":
             for radius, colour in ((1.3, EDGE), (0.9, POINT_COLOUR)):
@@ -266,10 +286,16 @@ def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
         _discs(picture, points, radius * thick, colour)
 
 
-def _pixels(points: Complexes, scene: AxialScene, picture: NDArray[np.uint8]) -> Complexes:
-    """Return where points of the plane z = 0, in tiles, are on the picture, in pixels: x + iy, y downwards."""
+def _dot(picture: NDArray[np.uint8], place: Complexes, radius: float, colour: Colour) -> None:
+    """Draw a dot with a dark and a pale edge. Its place (1,) and radius are in pixels."""
+    for part, each in ((1.9 / 1.1, HALO), (1.5 / 1.1, EDGE), (1, colour)):
+        _discs(picture, place, part * radius, each)
+
+
+def _pixels(points: Complexes, scene: Scene, picture: NDArray[np.uint8]) -> Complexes:
+    """Return where points of the picture's plane, in tiles, are on the picture, in pixels: x + iy, y downwards."""
     height, width, _ = picture.shape
-    tile = height / scene.view
+    tile = height / scene.camera.height
     return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))
 
 

@@ -9,7 +9,10 @@ from PIL import Image, ImageDraw
 
 from povgen.inputs.fields import MAX_ASIDE
 from povgen.optics import apparent
+from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, Chess
+from povgen.video import plan
+from povgen.video.plan import Plan
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
@@ -68,11 +71,17 @@ class Shown(NamedTuple):
     z1: float
 
 
-def extent(scenes: Collection[AxialScene], aside: float = 0.0) -> Extent:
+def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent | Plan:
     """Return the extent of a side view that shows the eyes, windows, objects and images of all these scenes.
 
-    The eyes of a stereo pair stand `aside`, tiles, to the left and to the right of a scene's eye.
+    Where a scene is a room, all have a plan in place of a side view. The eyes of a stereo pair stand `aside`, tiles, to
+    the left and to the right of a scene's eye.
     """
+    axial = [scene for scene in scenes if isinstance(scene, AxialScene)]
+    return plan.extent(scenes, aside) if len(axial) < len(scenes) else _extent(axial, aside)
+
+
+def _extent(scenes: Collection[AxialScene], aside: float) -> Extent:
     eyes = {scene.E for scene in scenes}
     from_above = len(eyes) > 1 == len({E.imag for E in eyes})
     ends, heights = [0.0], [0.1]
@@ -119,14 +128,22 @@ def _shown(scene: AxialScene, from_above: bool = False) -> tuple[list[Shown], li
     return shown, [each for each in there if max(map(abs, each.heights)) <= HIGHEST * max(high)]
 
 
-def side_view(scene: AxialScene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
+def side_view(scene: Scene, width: int, height: int, shows: Extent | Plan | None = None) -> NDArray[np.uint8]:
     """Return a strip with the side view for a picture of this size. Its height is even.
 
     z points to the right, y up; in a view from above the left is up. Objects beyond FARTHEST, and their images, are
     left out, and the text says how many. `shows` is the extent that is shown, in a movie that of all its scenes.
-    Without it, the extent is that of this scene.
+    Without it, the extent is that of this scene. A room has a plan in place of a side view.
     """
-    first, last, reach, from_above = shows or extent([scene])
+    shows = shows or extent([scene])
+    if isinstance(shows, Plan) or not isinstance(scene, AxialScene):
+        assert isinstance(shows, Plan)  # `extent` of scenes with a room
+        return plan.plan(scene, width, height, shows)
+    return _side_view(scene, width, height, shows)
+
+
+def _side_view(scene: AxialScene, width: int, height: int, shows: Extent) -> NDArray[np.uint8]:
+    first, last, reach, from_above = shows
     shown, there = _shown(scene, from_above)
     rows = 2 * round(HEIGHT * height / 2)
     size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))

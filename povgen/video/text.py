@@ -32,14 +32,17 @@ def text_width(text: str) -> float:
     return sum(_font(100, font).getlength(part) for part, font in _runs(text)) / 100
 
 
-def write(draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float, edge: float = 0) -> None:
+def write(
+    draw: ImageDraw.ImageDraw, x: float, middle: float, text: str, size: float, edge: float = 0, dark: bool = True
+) -> None:
     """Write a text in white. x is its left edge, `middle` the middle of its letters' height, `size` its height.
 
-    All are in pixels. If `edge` is not 0, the text is dark, with a white edge of this width.
+    All are in pixels. If `edge` is not 0, the text is dark, with a white edge of this width; or, if it is not `dark`,
+    white with an edge like the strip behind texts.
     """
     colours: dict[str, Any] = {"fill": "white"}
     if edge:
-        colours = {"fill": DARK, "stroke_width": edge, "stroke_fill": "white"}
+        colours = {"fill": DARK if dark else "white", "stroke_width": edge, "stroke_fill": "white" if dark else STRIP}
     for part, font in _runs(text):
         draw.text((x, middle + 0.36 * size), part, font=_font(size, font), anchor="ls", **colours)
         x += _font(size, font).getlength(part)  # the grid of pixels makes letters wider or narrower at each size

@@ -1,0 +1,147 @@
+"""What is written and drawn on pictures of rooms: captions, marks of predicted places, plans."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess
+from povgen.objects.box import Box
+from povgen.objects.floor import Floor
+from povgen.objects.pedestal import Pedestal
+from povgen.objects.piece import Piece
+from povgen.objects.sphere import Sphere
+from povgen.objects.text import Text
+from povgen.objects.window import Window
+from povgen.scene.room import Eye, Room
+from povgen.settings import Rendering
+from povgen.video import overlay, plan, side
+from povgen.video.captions import captions
+
+SIZE = 640, 480
+LEFT, RIGHT = Window(name="left", alpha=90, x=-1.75), Window(alpha=40, x=1.75, sheet="detailed")
+KNIGHT, SPHERE = Piece(x=-1.6, y=-0.85, z=2.5), Sphere(name="ball", x=3.9, radius=0.3)
+ROOM = Room(
+    [Floor(y=-1.65), LEFT, RIGHT, Pedestal(x=-1.6, y=-1.65, z=2.5), KNIGHT, SPHERE, Text(text="90", y=2.2)],
+    eye=Eye(y=0.5, z=-9, view=7),
+)
+
+
+def said(*rooms, **options):
+    return [[*each.texts] for each in captions(rooms, Rendering(**options))]
+
+
+def test_a_caption_says_what_stands_there():
+    short = ["2 windows: ideal α = 90°, detailed α = 40°", "knight, sphere, text"]
+    assert said(ROOM, caption="short") == [short]
+    assert said(ROOM, caption="full", note="Question 1") == [
+        [*short, "eye at (0, 0.5, -9), looks at (0, 0, 0)", "Question 1"]
+    ]
+    lines = {
+        "no window": [],
+        "1 window: law k = 0.3": [Window(sheet="law", law="x + k*z, y, z", parameter={"k": 0.3})],
+        "3 windows: mirror line at 20°, 2 × empty": [
+            Window(sheet="mirror", alpha=40),
+            *(Window(sheet="none", x=x) for x in (4, 8)),
+        ],
+        "2 windows: ideal α = -30°": [Window(alpha=-30, x=x) for x in (0, 4)],
+        "6 windows": [Window(alpha=x, x=4 * x) for x in range(6)],
+        "1 window: refraction index behind/before sheet 0.7, light turned by 20°": [
+            Window(sheet="refraction", ratio=0.7, alpha=20)
+        ],
+    }
+    assert [said(Room(windows), caption="short") for windows in lines.values()] == [[[line]] for line in lines]
+    assert said(Room([Box(), Box(z=3), KNIGHT]), caption="short") == [["no window", "2 boxes, knight"]]
+
+
+def test_a_movies_caption_says_what_changes():
+    movie = [
+        Room([LEFT.replace(alpha=alpha), KNIGHT.replace(yaw=20 * alpha)], eye=Eye(x=x, z=-9, view=4 + x))
+        for alpha, x in ((10, 0), (12.5, 0.25))
+    ]
+    assert said(*movie, caption="short") == [
+        ["left: α = 10.0°", "piece1: yaw = 200°", "eye: x = 0.00 tiles", "eye: view = 4.00 tiles"],
+        ["left: α = 12.5°", "piece1: yaw = 250°", "eye: x = 0.25 tiles", "eye: view = 4.25 tiles"],
+    ]
+    assert said(Room([SPHERE]), Chess(), caption="short")[1][0] == "ball: x = none"
+
+
+def dots(picture, colour):
+    """Return the place in the picture's plane of the dots of this colour: x + iy, their mean, tiles."""
+    y, x = np.nonzero((picture == colour[:3]).all(-1))
+    return (x.mean() + 0.5 - SIZE[0] / 2 - 1j * (y.mean() + 0.5 - SIZE[1] / 2)) * 7 / SIZE[1]
+
+
+def test_marks_are_where_the_eye_sees_the_objects():
+    rendering = Rendering(overlay=True)
+    legend = overlay.legend(ROOM, rendering)
+    assert legend == [overlay.THROUGH, overlay.DIRECTLY]
+    made = overlay.annotated(np.full((*SIZE[::-1], 3), 60, np.uint8), ROOM, rendering)
+    knight, ball, text = (images for _, images in ROOM.object_images)
+    assert [len(knight), len(ball), len(text)] == [1, 1, 1]
+    picture = made[len(made) - SIZE[1] :]
+    assert dots(picture, overlay.P_COLOUR) == pytest.approx(knight[0].position, abs=0.02)
+    both = (ball[0].position + text[0].position) / 2
+    assert dots(picture, overlay.POINT_COLOUR) == pytest.approx(both, abs=0.02)
+    assert text[0].corners[-1] == pytest.approx([0, 2.2 - ROOM.object[-1].size[1] / 2, 0])
+    assert overlay.legend(ROOM, Rendering(caption="full")) == []
+
+
+def test_it_is_said_what_has_no_image():
+    hidden = Room([Window(alpha=90), KNIGHT.replace(x=0, y=-2), Sphere(z=-20), Sphere(z=-1), Pedestal(z=-9, y=-3)])
+    texts = ["1 window: ideal α = 90°", "knight, 2 spheres", "not seen: foot of knight, middle of sphere1"]
+    assert said(hidden, caption="short", overlay=True) == [texts]
+    assert said(hidden, overlay=True) == [texts[-1:]] and said(hidden, caption="short") == [texts[:-1]]
+    assert said(ROOM, overlay=True) == [[]]
+
+
+@pytest.mark.parametrize(
+    ("things", "from_above"),
+    [
+        ([LEFT, RIGHT], True),
+        ([Window(y=2, pitch=20), Window(y=-2)], False),
+        ([Window(pitch=30)], False),
+        ([Window(yaw=-30)], True),
+        ([Window(roll=30), Box(x=3, z=3), Box(x=-3, z=3)], True),  # the boxes decide
+        ([Window(), Piece(y=-2, z=3)], False),
+        ([], False),
+    ],
+)
+def test_a_plan_is_from_where_the_windows_show_more(things, from_above):
+    assert side.extent([Room(things)]).from_above is from_above
+
+
+def middles(strip, colour):
+    """Return row and column of the pixels of a colour: the middle, and half the extent."""
+    where = np.argwhere((strip == colour).all(-1))
+    return (where.min(0) + where.max(0)) / 2, np.ptp(where, axis=0) / 2
+
+
+def test_a_plan_is_to_scale_and_a_movie_keeps_its_scale():
+    movie = [Room([Window(yaw=yaw, frame=False), Box(x=3, z=z)], eye=Eye(z=-6)) for yaw, z in ((0, 2), (30, 4))]
+    shows = side.extent(movie)
+    assert shows.from_above and shows[:2] == (-6, 4.5)
+    strips = [side.side_view(room, *SIZE, shows) for room in movie]
+    assert strips[0].shape == strips[1].shape and len(strips[0]) % 2 == 0
+    (before, _), (after, _) = (middles(strip, plan.OBJECT) for strip in strips)
+    scale = (after - before)[1] / 2
+    for (way, extent), yaw in zip((middles(strip, plan.SHEET) for strip in strips), np.radians((0, 30)), strict=True):
+        assert (before - way) / scale == pytest.approx([3, 2], abs=0.06)  # to the right is downwards
+        assert extent / scale == pytest.approx(1.5 * np.array([np.cos(yaw), np.sin(yaw)]), abs=0.08)
+
+
+def test_light_in_a_plan_takes_the_traced_paths():
+    (image,) = ROOM.images(KNIGHT.pose.place)
+    (ray,) = plan._followed(ROOM.paths.walk(ROOM.camera.through(np.array([image.position]))), 4)
+    np.testing.assert_allclose(ray[:2], image.corners[:2], atol=1e-12)
+    way = ray[2] - ray[1]
+    assert np.linalg.norm(way) == pytest.approx(4)
+    assert np.linalg.norm(np.cross(way, image.corners[2] - ray[1])) < 1e-8
+
+
+def test_scenes_of_several_kinds_have_plans_and_others_side_views():
+    shows = side.extent([Chess(), ROOM])
+    assert isinstance(shows, plan.Plan) and not isinstance(side.extent([Chess()]), plan.Plan)
+    strips = [side.side_view(scene, *SIZE, shows) for scene in (Chess(), ROOM)]
+    assert strips[0].shape == strips[1].shape
+    assert (strips[1] == plan.SHEET).all(-1).any() and (strips[0] == plan.SHEET).all(-1).any()
+    far = Room([LEFT, Sphere(z=1000)])
+    assert side.extent([far]).last < 3 and side.side_view(far, *SIZE).shape[1] == SIZE[0]
