@@ -13,10 +13,12 @@ from pydantic_core import PydanticUndefined
 
 from povgen.errors import InputError
 from povgen.inputs import mesh
+from povgen.scene.model import EyeAndWindows
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering, Sampling
 from povgen.sheets import PAPER, PARAMETERS, USED_BY
+from povgen.validation import Model
 
 F = TypeVar("F", bound=Callable[..., Any])
 OTHERS = "Parameters of other sheets, which povgen list explains"
@@ -35,8 +37,11 @@ class FieldOption(click.Option):
 
         If the field differs between scenes, the help names the scenes.
         """
-        texts = {described(field): owner for owner, field in owners}
-        about = "; ".join(f"{owner}: {text}" if len(texts) > 1 else text for text, owner in texts.items()) + more
+        texts: dict[str, list[str]] = {}
+        for owner, field in owners:
+            texts.setdefault(described(field), []).append(owner)
+        named = len(texts) > 1
+        about = "; ".join(f"{', '.join(who)}: {text}" if named else text for text, who in texts.items()) + more
         flag, kind = name.replace("_", "-"), owners[0][1].annotation
         several = any(_takes_several(field.annotation) for _, field in owners)
         super().__init__(
@@ -134,9 +139,9 @@ def _group(name: str) -> str:
         return OTHERS
     if name in (*PARAMETERS, "sheet", "window", "wavelength", "fresnel", "aperture"):
         return "The sheets"
-    if name in Rendering.model_fields or name in ("view", "background"):
+    if name in Rendering.model_fields or name in ("view", "background", "sky"):
         return "The picture"
-    return "The eye" if name in Scene.model_fields else "The objects"
+    return "The eye" if name in EyeAndWindows.model_fields else "The objects"
 
 
 def _takes_several(annotation: object) -> bool:
@@ -153,5 +158,5 @@ def described(field: FieldInfo) -> str:
     if isinstance(default, tuple) and default:
         default = ",".join(f"{x:g}" for x in default)
     about = field.description or ""
-    said = default in (None, False, "", (), {}, PydanticUndefined) or "(default" in about
+    said = default in (None, False, "", (), {}, PydanticUndefined) or "(default" in about or isinstance(default, Model)
     return about if said else f"{about} (default {default})"

@@ -1,5 +1,6 @@
 """Options of several commands, and what they mean for scenes and their rendering."""
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -15,6 +16,7 @@ from povgen.record import PICTURES, Record, check_unasked
 from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
 from povgen.rendering.frames import drawn_by
+from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES, recorded
 from povgen.settings import Rendering
@@ -23,7 +25,8 @@ from povgen.version import __version__
 Values = dict[str, Any]  # what a user gave, by the parameters' names: texts, several texts, and Booleans of switches
 F = TypeVar("F", bound=Callable[..., Any])
 
-scene = click.argument("scene", metavar="SCENE", help="chess or spheres")
+SCENE = "chess, spheres, room, or the TOML file of a room"
+scene = click.argument("scene", metavar="SCENE", help=SCENE)
 workers = click.option(
     "--workers",
     metavar="N",
@@ -60,10 +63,24 @@ def output(metavar: str, about: str, default: str | None = None) -> Callable[[F]
 
 
 def scene_of(name: str, values: Values) -> Scene:
-    """Return the scene of this name with these values. Values can be text. Raises InputError."""
-    if name not in SCENES:
-        raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}")
-    return SCENES[name](**values)
+    """Return the scene of this name, or of a room's file, with these values. Values can be text. Raises InputError."""
+    if name in SCENES:
+        return SCENES[name](**values)
+    if not scene_files(name):
+        raise InputError(f"scene = {name!r}: unknown; allowed: {', '.join(SCENES)}, or the TOML file of a room")
+    return Room.load(name, **values)
+
+
+def stated(made: Scene, values: Values) -> Values:
+    """Return the values that a user gave for a new scene: these, and those in the scene's file."""
+    return values | {name: getattr(made, name) for name in made.model_fields_set - values.keys()}
+
+
+def scene_files(name: str | None) -> list[str]:
+    """Return the file that states a scene, if the command line names one in place of a scene."""
+    if name is None or name in SCENES:
+        return []
+    return [name] if name == "-" or name.endswith(".toml") or os.path.isfile(in_home(Path(name))) else []
 
 
 def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tuple[Record, list[Scene], Values]":

@@ -4,16 +4,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
+from povgen.objects.window import Window
 from povgen.progress import say
 from povgen.rendering import survey_cache
 from povgen.rendering.views import views
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import used_parameters
+from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.warnings import warnings
+from povgen.scene.windows import FurtherWindow
 from povgen.settings import Rendering
-from povgen.sheets import SHEETS, USED_BY
+from povgen.sheets import PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.layered import Layered
 from povgen.sheets.own import OwnLaw
+from povgen.sheets.sheet import Sheet
 
 
 def warn(values: Mapping[str, Any], scenes: Sequence[Scene], rendering: Rendering | None = None) -> None:
@@ -47,7 +50,8 @@ def warn_unused(values: Mapping[str, Any], scenes: Sequence[Scene]) -> None:
             shown = "" if value is None else f" = {'true' if value is True else value}"
             *kinds, last = used_by[name]
             allowed = " or ".join(filter(None, [", ".join(kinds), last]))
-            say(f"povgen: warning: {name}{shown}: no effect with sheet = {scenes[0].sheet}; it is for {allowed}")
+            given = ", ".join(dict.fromkeys(sheet.name for sheet in scenes[0].sheets)) or "none"
+            say(f"povgen: warning: {name}{shown}: no effect with sheet = {given}; it is for {allowed}")
     if values.get("sky") and scenes and not any(scene.background == "sky" for scene in scenes):
         say(f"povgen: warning: sky: no effect with background = {scenes[0].background}; it is for sky")
     for text in dict.fromkeys(_unused_in_windows(scenes, values)):
@@ -57,17 +61,28 @@ def warn_unused(values: Mapping[str, Any], scenes: Sequence[Scene]) -> None:
 def _unused_in_windows(scenes: Sequence[Scene], values: Mapping[str, Any]) -> Iterator[str]:
     """Yield a text for each parameter of a further window, or of a law, that the user gave and that changes nothing."""
     shared: set[str] = set()  # the names in the laws whose numbers are the scene's
+    stated: set[str] = set()  # the numbers of laws that the scene states
     for scene in scenes:
-        for n, (window, sheet) in enumerate(zip((None, *scene.window), scene.sheets, strict=True), 1):
-            own = None if window is None else window.parameter
-            if isinstance(sheet, OwnLaw) and own is None:
-                shared |= sheet.law.names
-            if window and "window" in values:
-                unused = window.model_fields_set - {each.name for each in sheet.parameters} - {"z", "sheet"}
-                yield from (f"window {n}: {name}: no effect with sheet = {sheet.name}" for name in sorted(unused))
-                if isinstance(sheet, OwnLaw) and own:
-                    lost = sorted(own.keys() - sheet.law.names)
-                    yield from (f"window {n}: parameter: {name}: no effect, because its law lacks it" for name in lost)
-    if "parameter" in values and shared:
-        lost = sorted({name for scene in scenes for name in scene.parameter} - shared)
-        yield from (f"parameter: {name}: no effect, because no law contains it" for name in lost)
+        if isinstance(scene, AxialScene):
+            stated |= scene.parameter.keys()
+            for sheet, own in zip(scene.sheets, (None, *scene.window), strict=True):
+                if isinstance(sheet, OwnLaw) and (own is None or own.parameter is None):
+                    shared |= sheet.law.names
+        for name, window, sheet in _with_own_parameters(scene) if "window" in values else ():
+            used = {each.name for each in sheet.parameters} | Window.model_fields.keys() - PARAMETERS.keys()
+            for unused in sorted(window.model_fields_set - used):
+                yield f"{name}: {unused}: no effect with sheet = {sheet.name}"
+            if isinstance(sheet, OwnLaw) and "parameter" in window.model_fields_set:
+                for lost in sorted((window.parameter or {}).keys() - sheet.law.names):
+                    yield f"{name}: parameter: {lost}: no effect, because its law lacks it"
+    for lost in sorted(stated - shared) if "parameter" in values and shared else ():
+        yield f"parameter: {lost}: no effect, because no law contains it"
+
+
+def _with_own_parameters(scene: Scene) -> list[tuple[str, FurtherWindow | Window, Sheet]]:
+    """Return the windows that state parameters of their own: how messages name them, and their sheets."""
+    if isinstance(scene, AxialScene):
+        further = zip(scene.window, scene.sheets[1:], strict=True)
+        return [(f"window {n}", window, sheet) for n, (window, sheet) in enumerate(further, 2)]
+    windows = {name: part for name, part in scene.parts.items() if isinstance(part, Window)}
+    return [(name, window, window.optics) for name, window in windows.items()]

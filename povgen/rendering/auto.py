@@ -32,8 +32,8 @@ from povgen.rendering.parallel import default_workers, thread_pool
 from povgen.rendering.views import check_gl, views
 from povgen.rendering.volumes import volumes
 from povgen.scene import camera
-from povgen.scene.scene import checked_scene
-from povgen.scene.scenes import AxialScene, pieces
+from povgen.scene.scene import Scene
+from povgen.scene.scenes import AxialScene, checked_axial, pieces
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.settings import Options, Renderer, Rendering, SharedOptions
 
@@ -122,7 +122,7 @@ def cheapest(
     """
     renderers: Sequence[Any] = RENDERERS if renderer == "auto" else (renderer,)
     limit, rendering = Tolerance.parse(tolerance), Rendering(**{**options, "renderer": renderers[-1]})
-    prisms = checked_scene(scene).replace(sheet="detailed")
+    prisms = checked_axial(scene, "sheet = 'auto'").replace(sheet="detailed")
     antialias = rendering.sampling if "antialias" in options else None
     choice, _ = choose([prisms], rendering, limit, antialias, renderers)
     chosen = {**options, "antialias": choice.antialias, "renderer": choice.renderer}
@@ -130,7 +130,7 @@ def cheapest(
 
 
 def choose(
-    scenes: Sequence[AxialScene],
+    given: Sequence[Scene],
     rendering: Rendering,
     tolerance: Tolerance,
     antialias: str | None = None,
@@ -141,12 +141,13 @@ def choose(
     The scenes have detailed sheets. Positions are predicted in every scene. Pictures are measured in at most MAX_FRAMES
     scenes. If `antialias` is given, no other sampling is tried. Of several renderers, gl is left out if it cannot show
     the scenes or cannot be used here.
-    Raises InputError for windows in series, if no candidate meets the tolerance, and for a tolerance of FLIP if
-    flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
+    Raises InputError for windows in series and rooms, if no candidate meets the tolerance, and for a tolerance of FLIP
+    if flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
     """
+    shown = [view for scene in given for view in views(scene, rendering)]
+    scenes = [checked_axial(view, "sheet = 'auto'") for view in shown]
     if any(scene.window for scene in scenes):
         raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")
-    scenes = [view for scene in scenes for view in views(scene, rendering)]
     # at alpha = 0 the ideal sheet changes nothing, and the picture without it ("none") is cheaper; but a predicted
     # image needs a sheet
     plain = all(scene.alpha % 360 == 0 and not getattr(scene, "predicted_image", False) for scene in scenes)

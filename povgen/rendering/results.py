@@ -14,7 +14,7 @@ from povgen.progress import bar
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
 from povgen.scene.quantities import QUANTITIES, parameters
 from povgen.scene.scene import Scene, checked_scenes
-from povgen.scene.scenes import SCENES
+from povgen.scene.scenes import SCENES, AxialScene, checked_axial
 from povgen.validation import as_flag, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
@@ -40,21 +40,22 @@ def results(
 
     `workers` processes compute at once, by default one for each core. With `scheduler`, the address of a Dask
     scheduler, its workers compute instead. `progress=False` shows no progress bar. Raises InputError for what is no
-    scene or no quantity, if no quantity is given, and for `workers` or a `scheduler` that is not allowed. Raises
-    PovrayError if the cluster fails.
+    scene or no quantity, for a room, if no quantity is given, and for `workers` or a `scheduler` that is not allowed.
+    Raises PovrayError if the cluster fails.
     """
-    scenes = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
+    checked = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
+    axial = [checked_axial(scene, "a table of quantities") for scene in checked]
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
     if wrong or not quantities:
         what = f"quantity = {shown(wrong[0])}" if wrong else "no quantity"
         raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
     count, scheduler = worker_count(workers) or cores(), checked_scheduler(scheduler)
-    with bar("results", len(scenes), not as_flag("progress", progress), "scenes") as done:
+    with bar("results", len(axial), not as_flag("progress", progress), "scenes") as done:
         if scheduler is None:
-            rows = _computed(scenes, quantities, count, done)
+            rows = _computed(axial, quantities, count, done)
         else:
-            rows = _on_cluster(scenes, quantities, scheduler, done)
-    given = [parameters(scene) for scene in scenes]
+            rows = _on_cluster(axial, quantities, scheduler, done)
+    given = [parameters(scene) for scene in axial]
     names = list(dict.fromkeys(name for each in given for name in each))
     differ = [name for name in names if len({each.get(name) for each in given}) > 1]
     columns = [f"scene_{name}" if name in quantities else name for name in differ]
@@ -62,7 +63,7 @@ def results(
     return table | {name: np.array([row[n] for row in rows], float) for n, name in enumerate(quantities)}
 
 
-def values_of(scenes: Sequence[Scene], quantities: Sequence[str]) -> list[list[float]]:
+def values_of(scenes: Sequence[AxialScene], quantities: Sequence[str]) -> list[list[float]]:
     """Return the quantities of each scene."""
     return [[QUANTITIES[name].of(scene) for name in quantities] for scene in scenes]
 
@@ -74,7 +75,7 @@ def _column(values: list[Any]) -> NDArray[Any]:
     return np.array([np.nan if value is None else value for value in values])
 
 
-def _computed(scenes: list[Scene], quantities: Sequence[str], workers: int, done: Done) -> list[list[float]]:
+def _computed(scenes: list[AxialScene], quantities: Sequence[str], workers: int, done: Done) -> list[list[float]]:
     """Return the quantities of each scene. What is left after PATIENCE seconds is computed by other processes."""
     rows: list[list[float]] = []
     # other processes know povgen's own scenes only
@@ -88,11 +89,11 @@ def _computed(scenes: list[Scene], quantities: Sequence[str], workers: int, done
     return rows + [later[n] if n in later else _row(quantities, scene) for n, scene in enumerate(left)]
 
 
-def _row(quantities: Sequence[str], scene: Scene) -> list[float]:
+def _row(quantities: Sequence[str], scene: AxialScene) -> list[float]:
     return values_of([scene], quantities)[0]
 
 
-def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, done: Done) -> list[list[float]]:
+def _on_cluster(scenes: list[AxialScene], quantities: Sequence[str], scheduler: str, done: Done) -> list[list[float]]:
     """Return the quantities of each scene, computed by a cluster's workers."""
     from povgen.rendering.cluster import Cluster
 

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
 from povgen.inputs.hdr import encoded
+from povgen.optics.rays import Opening
 from povgen.rendering.light import Picture, linear
-from povgen.scene.camera import Camera
+from povgen.scene.camera import Vector
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import SCENES, AxialScene
+from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw
@@ -33,17 +34,14 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
         raise InputError(
             f"{scene.outlines[0]} = true: it is drawn with 8 bits, not {rendering.bits}; allowed: bits = 8"
         )
-    backgrounds = ["black", "white"] if scene.background == "transparent" else [scene.background]
-    if rendering.stereo == "none":
-        return [scene] if len(backgrounds) == 1 else [scene.replace(background=sky) for sky in backgrounds]
-    if not isinstance(scene, AxialScene):
-        raise InputError(f"stereo = {rendering.stereo!r}: not for a room; allowed: none")
-    (x, y), half = scene.eye, rendering.eye_distance / 2
-    eyes = [(round(x - half, 12), y), (round(x + half, 12), y)]
+    half = rendering.eye_distance / 2
     try:
-        return [scene.replace(eye=eye, background=sky, view=scene.view) for eye in eyes for sky in backgrounds]
+        eyes = [scene] if rendering.stereo == "none" else [scene.seen_aside(by) for by in (-half, half)]
     except InputError as error:
         raise InputError(f"eye_distance = {rendering.eye_distance:g}: for one of the two eyes, {error}") from None
+    if scene.background != "transparent":
+        return eyes
+    return [eye.replace(background=sky) for eye in eyes for sky in ("black", "white")]
 
 
 def check_gl(scene: Scene) -> None:
@@ -55,8 +53,8 @@ def check_gl(scene: Scene) -> None:
     for name in RANDOM:
         if any(getattr(sheet, name) for each in scene.layered for sheet in each.layers_at(0.0, 0)):
             raise InputError(f"error: {name}: the renderer gl draws equal prisms; allowed: with --renderer povray")
-    for sheet in scene.ideal:
-        if isinstance(sheet, OwnLaw) and not _fits_32_bits(sheet, scene.camera):
+    for opening in scene.openings:
+        if isinstance(sheet := opening.sheet, OwnLaw) and not _fits_32_bits(sheet, opening, scene.camera.eye):
             raise InputError(
                 f"law = {shown(sheet.values['law'])}: the renderer gl computes with 32-bit numbers; "
                 "allowed: parts of 1e-38 to 3e38, or --renderer povray"
@@ -66,11 +64,13 @@ def check_gl(scene: Scene) -> None:
         raise InputError(f"scene = {shown(scene)}: the renderer gl does not know this class; allowed: {allowed}")
 
 
-def _fits_32_bits(sheet: OwnLaw, camera: Camera) -> bool:
+def _fits_32_bits(sheet: OwnLaw, opening: Opening, eye: Vector) -> bool:
     """Return whether a law bends most rays alike with 32-bit numbers, as shaders compute it, and with 64 bits."""
-    side = np.linspace(-0.47, 0.49, 15) * sheet.aperture
-    place = side + 1j * side[:, None]
-    ray = camera.through(place).direction
+    side = np.linspace(-0.47, 0.49, 15)
+    place = side * opening.outline.width + 1j * (side * opening.outline.height)[:, None]
+    (x, y, z), _ = opening.pose.own(np.array(eye), np.zeros(3))
+    off = np.sign(-z or 1) * (place - x - 1j * y)  # from behind, light takes a path from the front
+    ray = np.stack((off.real, off.imag, np.full(place.shape, abs(z))), -1)
     right = sheet.bend(ray, place)
     off = np.linalg.norm(sheet.law.bend_in_32_bits(ray, place, sheet.numbers) - right, axis=-1)
     lit = np.isfinite(right[..., 0])

@@ -136,6 +136,10 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     def camera(self) -> Camera:
         return Camera((*self.eye, -self.z2), (0, 0, 0), (1, 0, 0), (0, 1, 0), self.view)
 
+    def seen_aside(self, by: float) -> Self:
+        x, y = self.eye
+        return self.replace(eye=(round(x + by, 12), y), view=self.view)
+
     @property
     def openings(self) -> list[Opening]:
         """The windows as in `optics.rays`."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -14,13 +15,16 @@ from povgen.objects.placed import Coordinate, Placed
 from povgen.objects.scene_object import SceneObject
 from povgen.objects.window import Window
 from povgen.optics.rays import Opening
-from povgen.scene import checks, traced_rays
+from povgen.scene import checks, files, traced_rays
 from povgen.scene.camera import Camera
 from povgen.scene.scene import Scene
 from povgen.scene.windows import window_table
 from povgen.validation import Model
 
 MOST_WINDOWS, MOST_OBJECTS = 20, 100
+# what a room's file can say of a movie: fields of `MovieSpec`
+OF_MOVIES = {"title", "frame_rate", "frames", "exact_frames", "ease", "hold", "overlay", "note", "side_view", "loop"}
+OF_MOVIES |= {"sweep"}
 
 
 class Eye(Model):
@@ -37,6 +41,10 @@ class Eye(Model):
     )
     view: Annotated[float, Field(ge=0.01, le=1000)] = Field(
         default=5, description="height of the picture at the point in its middle, 0.01 to 1000 tiles"
+    )
+    aside: Coordinate = Field(
+        default=0,
+        description="how far the eye is moved along the picture's right side, tiles; the picture's frame stays",
     )
 
     @model_validator(mode="after")
@@ -58,7 +66,8 @@ class Eye(Model):
         # a picture whose eye is turned counter-clockwise has its sides turned so
         sides = np.cos(turn) * right + np.sin(turn) * up, np.cos(turn) * up - np.sin(turn) * right
         (rx, ry, rz), (ux, uy, uz) = (side.tolist() for side in sides)
-        return Camera(place, middle, (rx, ry, rz), (ux, uy, uz), self.view)
+        x, y, z = (np.array(place) + self.aside * sides[0]).tolist()
+        return Camera((x, y, z), middle, (rx, ry, rz), (ux, uy, uz), self.view)
 
 
 def _object(value: object) -> object:
@@ -113,9 +122,9 @@ class Room(Scene):
     window: RoomWindows = Field(default=(), description="a window, such as alpha=90,x=-2,yaw=30; up to 20")
     eye: Annotated[Eye, BeforeValidator(_eye)] = Field(default=Eye(), description="the eye, such as x=1,z=-8,view=4")
 
-    def __init__(self, things: Iterable[Placed] = (), /, **values: Any) -> None:  # noqa: ANN401  (the fields' values)
+    def __init__(self, things: Placed | Iterable[Placed] = (), /, **values: Any) -> None:  # noqa: ANN401
         """Make a room of objects and windows, or of the lists `object` and `window`."""
-        for thing in things:
+        for thing in [things] if isinstance(things, Placed) else things:
             name = "window" if isinstance(thing, Window) else "object"
             values[name] = [*values.get(name, ()), thing]
         super().__init__(**values)
@@ -131,9 +140,43 @@ class Room(Scene):
             found[thing.name or f"{kind}{counts[kind]}"] = thing
         return found
 
+    @classmethod
+    def load(cls, path: str | Path, **values: Any) -> Self:  # noqa: ANN401
+        """Read a room from a TOML file, or from standard input (-): tables [eye], [[window]] and [[object]].
+
+        The other parameters stand above these tables. Paths of files are relative to the TOML file's folder; a warning
+        names those that are outside of it. What the file says of a movie is not read. `values` replace the file's.
+        Raises InputError, which names the file.
+        """
+        text, name, folder = files.text_of(path, "room", "a TOML file with tables [eye], [[window]] and [[object]]")
+        table = {key: value for key, value in files.table_of(text, name).items() if key not in OF_MOVIES}
+        try:
+            if (scene := table.pop("scene", cls.name)) != cls.name:
+                raise InputError(f"scene = {shown(scene)}: no room; allowed: a room's tables, or a movie of this file")
+            stated = files.in_folder(table, folder) | values
+            made = cls(**stated)
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
+        files.name_files_outside(folder, name, tuple(getattr(made, key) for key in stated if key not in values))
+        return made
+
     @property
     def parts(self) -> Mapping[str, Model]:
         return {**self.things, "eye": self.eye}
+
+    def with_numbers(self, values: Mapping[str, float]) -> Self:
+        parts = dict(self.parts)
+        for name, value in values.items():
+            part, _, parameter = name.partition(".")
+            if part not in parts:
+                allowed = f"NAME.PARAMETER with one of {', '.join(parts)}"
+                raise InputError(f"{shown(name)}: not in the room; allowed: {allowed}")
+            parts[part] = parts[part].replace(**{parameter: value})
+        eye, things = parts.pop("eye"), [*parts.values()]
+        return self.replace(eye=eye, window=things[: len(self.window)], object=things[len(self.window) :])
+
+    def seen_aside(self, by: float) -> Self:
+        return self.replace(eye=self.eye.replace(aside=round(self.eye.aside + by, 12)))
 
     @property
     def camera(self) -> Camera:
@@ -159,6 +202,8 @@ class Room(Scene):
     @model_validator(mode="after")
     def _check_room(self) -> Self:
         names = [thing.name or name for name, thing in self.things.items()]
+        if "eye" in names:
+            raise ValueError("name = 'eye': the eye has it; allowed: another name")
         if len(names) < len(self.window) + len(self.object):
             every = [thing.name for thing in (*self.window, *self.object)]
             twice = next((name for name in every if name and every.count(name) > 1), "")

@@ -99,6 +99,17 @@ class Scene(Model):
         """What has numbers of its own, by the names in a movie's sweeps: windows, objects and eye of a room."""
         return {}
 
+    def with_numbers(self, values: Mapping[str, float]) -> Self:
+        """Return a copy with other numbers of its `parts`, as {"left.alpha": 90, "eye.x": 1}. Raises InputError."""
+        raise NotImplementedError
+
+    def seen_aside(self, by: float) -> Self:
+        """Return the scene for an eye that is `by` tiles further along the picture's right side.
+
+        The rectangle that the picture shows stays. Raises InputError if the eye cannot be there.
+        """
+        raise NotImplementedError
+
     @property
     def outlines(self) -> tuple[str, ...]:
         """The names of the parameters that draw an outline on the picture, and are true."""

@@ -9,13 +9,13 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import combinations
 from math import hypot
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
-from povgen.errors import at_least, input_errors
+from povgen.errors import InputError, at_least, input_errors, shown
 from povgen.inputs import pictures
 from povgen.inputs.fields import (
     Z1,
@@ -27,7 +27,6 @@ from povgen.inputs.fields import (
     Point,
     as_tuple,
 )
-from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PIECES, PieceFile, radius
 from povgen.objects.floor import Floor
 from povgen.objects.pedestal import Pedestal
@@ -37,14 +36,17 @@ from povgen.objects.sphere import Sphere
 from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot
 from povgen.optics.trace import End
 from povgen.scene import checks
+from povgen.scene.files import files_in
 from povgen.scene.predictions import Predicted
 from povgen.scene.room import Room
-from povgen.scene.scene import SCENES, Scene
-from povgen.scene.windows import FurtherWindow
+from povgen.scene.scene import SCENES as SCENES
+from povgen.scene.scene import Scene as Scene
+from povgen.scene.scene import checked_scene
+from povgen.scene.scene import recorded as recorded
 from povgen.sheets.profile import ProfileFile
-from povgen.validation import as_flag
+from povgen.validation import Model, as_flag
 
-PATIENCE = 120  # CPU seconds in which a record's frames are checked; 10,000 frames of a window of prisms take 4
+AnyModel = TypeVar("AnyModel", bound=Model)
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 
 
@@ -351,42 +353,40 @@ def pieces(scene: Scene) -> dict[str, str | PieceFile]:
 
 def input_files(scenes: Iterable[Scene]) -> set[str]:
     """Return the paths of the files that the scenes show: pieces, profiles, and pictures."""
-    found: set[str] = set()
-    for scene in scenes:
-        parts = [*pieces(scene).values(), scene.sky, *(each.picture for each in scene.contents)]
-        found |= {part.path for part in parts if isinstance(part, (PieceFile, Picture))}
-        found |= {profile.path for profile in profile_files(scene)}
-    return found
+    return {file.path for scene in scenes for file in files_in(scene)}
 
 
 def with_seen_files(scene: Scene) -> Scene:
     """Return the scene without the files that it does not show: a sky behind another background, unused profiles."""
     used = [sheet.values.get("profile") for sheet in scene.sheets]
+
+    def seen(thing: AnyModel) -> AnyModel:
+        """Return a scene or a window with the default profile in place of a file that no window uses."""
+        file, fields = getattr(thing, "profile", None), type(thing).model_fields
+        unused = isinstance(file, ProfileFile) and file not in used
+        return thing.replace(profile=fields["profile"].default) if unused else thing
+
     changes: dict[str, object] = {} if scene.background == "sky" else {"sky": None}
-    if not isinstance(scene, AxialScene):
-        return scene.model_copy(update=changes)
-
-    def unused(window: AxialScene | FurtherWindow) -> bool:
-        return isinstance(window.profile, ProfileFile) and window.profile not in used
-
-    if unused(scene):
-        changes["profile"] = type(scene).model_fields["profile"].default
-    if any(map(unused, scene.window)):
-        changes["window"] = [window.replace(profile=None) if unused(window) else window for window in scene.window]
-    return scene.model_copy(update=changes)
+    if windows := getattr(scene, "window", ()):
+        changes["window"] = [*map(seen, windows)]
+    return seen(scene.replace(**changes) if changes else scene)
 
 
-def used_parameters(scene: AxialScene) -> set[str]:
+def used_parameters(scene: Scene) -> set[str]:
     """Return the names of the sheets' parameters for which at least one window uses the scene's value."""
+    if not isinstance(scene, AxialScene):
+        return set()
     windows = zip((None, *scene.window), scene.sheets, strict=True)
     named = ((window, each.name) for window, sheet in windows for each in sheet.parameters)
     return {name for window, name in named if window is None or getattr(window, name) is None}
 
 
-def profile_files(scene: Scene) -> list[ProfileFile]:
-    """Return the files that state profiles of a scene's windows, also those that its sheets do not use."""
-    sets = scene.parameter_sets if isinstance(scene, AxialScene) else getattr(scene, "window", ())
-    return [each.profile for each in sets if isinstance(each.profile, ProfileFile)]
+def checked_axial(scene: object, what: str) -> AxialScene:
+    """Return a scene whose windows stand on one axis. Raises InputError for another one: `what` is not for it."""
+    if not isinstance(found := checked_scene(scene), AxialScene):
+        allowed = " or ".join(f"{kind.__name__}(...)" for kind in SCENES.values() if issubclass(kind, AxialScene))
+        raise InputError(f"scene = {shown(found)}: {what} needs windows on one axis; allowed: {allowed}")
+    return found
 
 
 SCENES |= {scene.name: scene for scene in (Chess, Spheres, Room)}

@@ -1,34 +1,31 @@
 """Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
-import logging
-import os
-import tomllib
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
+from pydantic.fields import FieldInfo
 
 from povgen.errors import InputError, shown
-from povgen.files import in_home, own_folder
-from povgen.inputs.pictures import Picture
-from povgen.inputs.pieces import PIECES, PieceFile, from_folder
+from povgen.files import own_folder
+from povgen.scene import files
+from povgen.scene.room import Room
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import SCENES
-from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by, window_table
+from povgen.scene.scenes import SCENES, AxialScene
+from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by
 from povgen.settings import Note, preset_of
-from povgen.sheets.profile import NAMES, ProfileFile
 from povgen.validation import Model, as_pair
 
 MOVIES = own_folder("movies")
-MAX_BYTES = 2**14  # the longest spec; Python's TOML parser can take minutes for a much longer one
 MAX_FRAMES = 10000
 Title = Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")]
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]
 FRAMES = 61  # of a movie that does not state it
+ROOM_TABLES = {"eye", "object", "window"}  # at least one of them makes a TOML file without a scene's name a room's
 
 
 def _number_or_pair(value: object) -> object:
@@ -169,20 +166,18 @@ class MovieSpec(Model):
 
     @model_validator(mode="after")
     def _check_sweeps(self) -> Self:
-        numbers = swept_numbers(SCENES[self.scene]) | dict.fromkeys(WINDOW_NUMBERS, 1)
-        names = [sweep.parameter for sweep in self.sweep]
         for name in self.fixed.keys() - SCENES[self.scene].model_fields:
             raise ValueError(f"{shown(name)}: unknown; allowed: {', '.join(SCENES[self.scene].model_fields)}")
+        names = [sweep.parameter for sweep in self.sweep]
         for sweep in self.sweep:
             name = sweep.parameter
-            if name not in numbers:
-                own = [*swept_numbers(SCENES[self.scene]), "window2_alpha", "window2_z", "..."]
-                raise ValueError(f"parameter = {shown(name)}: cannot be swept; allowed: {', '.join(own)}")
+            if name not in self._fields:
+                raise ValueError(f"parameter = {shown(name)}: cannot be swept; allowed: {self._allowed(name)}")
             if names.count(name) > 1:
                 raise ValueError(f"parameter = {shown(name)}: swept more than once; allowed: once")
             for value in sweep.given:
-                if np.size(value) != numbers[name]:
-                    kind = "a number" if numbers[name] == 1 else "a pair, X,Y (in a TOML file [X, Y])"
+                if np.size(value) != (count := _numbers(self._fields[name].annotation)):
+                    kind = "a number" if count == 1 else "a pair, X,Y (in a TOML file [X, Y])"
                     raise ValueError(f"{name} = {shown(value)}: allowed: {kind}")
             if len({self._rounded(name, value) for value in sweep.values or sweep.ends}) == 1:
                 raise ValueError(f"{name}: all values equal after rounding, nothing would move; allowed: other values")
@@ -194,65 +189,74 @@ class MovieSpec(Model):
             raise ValueError("ease = True: no sweep has start and stop; allowed: ease = false, or start and stop")
         return self
 
+    @cached_property
+    def _fields(self) -> dict[str, FieldInfo]:
+        """The fields of what can be swept, by its names in sweeps."""
+        model = SCENES[self.scene]
+        found = {name: model.model_fields[name] for name in swept_numbers(model)}
+        if issubclass(model, AxialScene):
+            windows = FurtherWindow.model_fields | model.model_fields  # a whole number is one in the scene's fields
+            return found | {name: windows[field] for name, (_, field) in WINDOW_NUMBERS.items()}
+        for name, part in model(**self.fixed).parts.items():
+            fields = type(part).model_fields
+            found |= {f"{name}.{field}": fields[field] for field, n in swept_numbers(type(part)).items() if n == 1}
+        return found
+
+    def _allowed(self, name: str) -> str:
+        """Return what can be swept in place of this name: all parameters of a part, or all names of parts."""
+        parts = dict.fromkeys(field.partition(".")[0] for field in self._fields if "." in field)
+        if parts and (part := name.partition(".")[0]) in parts:
+            return ", ".join(field for field in self._fields if field.startswith(f"{part}."))
+        own = ", ".join(swept_numbers(SCENES[self.scene]))
+        return f"{own}, and NAME.PARAMETER of {', '.join(parts)}" if parts else f"{own}, window2_alpha, window2_z, ..."
+
     @classmethod
-    def load(cls, path: str | Path, fixed: Mapping[str, object] = {}) -> Self:
+    def load(cls, path: str | Path, fixed: Mapping[str, object] = {}, sweeps: Sequence[str] = ()) -> Self:
         """Read a movie spec: a TOML file, one of povgen's own by its name (vary-alpha), or standard input (-).
 
-        The paths of the scene's files (pieces, profiles, sky and floor) are relative to the TOML file's folder. A
-        warning names those that are outside of it. The values in `fixed` replace the file's. Raises InputError, which
-        names the file, the key, the value and what is allowed.
+        The paths of the scene's files (pieces, profiles and pictures) are relative to the TOML file's folder. A
+        warning names those that are outside of it. The values in `fixed` replace the file's. So do `sweeps`, such as
+        left.alpha=0:180, which only the file of a `Room` takes. Raises InputError, which names the file, the key, the
+        value and what is allowed.
         """
-        if not isinstance(path, (str, Path)):
-            raise InputError(f"{shown(path)}: no movie spec; allowed: a file or a movie's name")
-        stdin = str(path) == "-"
-        name = "standard input" if stdin else str(path) or "''"
-        try:
-            file = spec_file(path)
-            # with O_NONBLOCK, a FIFO into which nobody writes is opened at once, and is empty
-            number = file if isinstance(file, int) else os.open(file, os.O_RDONLY | os.O_NONBLOCK)
-            with open(number, "rb", closefd=not stdin) as opened:
-                if not stdin:
-                    os.set_blocking(number, True)
-                data = opened.read(MAX_BYTES + 1) or b""  # None: standard input that does not wait for text
-            if len(data) > MAX_BYTES:
-                raise ValueError(f"longer than {MAX_BYTES} bytes")
-            text = data.decode("utf-8-sig")  # some editors begin a file with a byte order mark
-        except (OSError, ValueError) as error:  # ValueError: too long, not UTF-8, or a NUL in the name
-            own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
-            reason = "not UTF-8" if isinstance(error, UnicodeError) else getattr(error, "strerror", error)
-            raise InputError(f"{name}: no movie spec: {reason}; allowed: a TOML file or one of {own}") from None
-        return cls.parse(text, name, file.parent if isinstance(file, Path) else "", fixed)
+        own = ", ".join(spec.stem for spec in sorted(MOVIES.glob("*.toml")))
+        text, name, folder = files.text_of(path, "movie spec", f"a TOML file or one of {own}", MOVIES)
+        return cls.parse(text, name, folder, fixed, sweeps)
 
     @classmethod
-    def parse(cls, text: str, name: str, folder: str | Path = "", fixed: Mapping[str, object] = {}) -> Self:
+    def parse(
+        cls,
+        text: str,
+        name: str,
+        folder: str | Path = "",
+        fixed: Mapping[str, object] = {},
+        sweeps: Sequence[str] = (),
+    ) -> Self:
         """Read a movie spec from TOML text. Raises InputError, whose message begins with `name`.
 
-        The paths of the scene's files (pieces, profiles, sky and floor) are relative to `folder`. The values in `fixed`
-        replace those of the text.
+        The paths of the scene's files (pieces, profiles and pictures) are relative to `folder`. The values in `fixed`
+        and the `sweeps`, such as left.alpha=0:180, replace those of the text.
         """
-        if not isinstance(text, str):
-            raise InputError(f"{name}: not TOML: {shown(text)}; allowed: text")
+        values = files.table_of(text, name)
+        if sweeps and not is_room(values):
+            raise InputError(
+                f"sweep = {sweeps[0]!r}: not with the movie {name!r}; allowed: with a scene: {' or '.join(SCENES)}, or "
+                "with a room's TOML file"
+            )
         try:
-            values = tomllib.loads(text)
-        except (ValueError, RecursionError) as error:  # RecursionError: thousands of brackets
-            raise InputError(f"{name}: not TOML: {error}") from None
-        try:
-            windows, table = values.pop("window", None), values.get("fixed", {})
-            if windows is not None and isinstance(table, dict):
-                if "window" in table:
-                    raise InputError("window: stated twice, also in the table [fixed]; allowed: only as [[window]]")
-                values["fixed"] = {"window": windows, **table}
-            tables = values.get("sweep")
-            if isinstance(tables, list):
+            if isinstance(tables := values.get("sweep"), list):
                 values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
+            if sweeps:
+                values["sweep"] = [*map(Sweep.parse, sweeps)]
+            values = _with_fixed_table(values, folder, fixed)
             for key in values:
                 if key not in cls.model_fields and any(key in scene.model_fields for scene in SCENES.values()):
                     raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
-            spec = cls(**values)
-            spec = spec.replace(fixed=_from_folder(spec.fixed, folder)).with_fixed(fixed)
+            spec = cls(**values).with_fixed(fixed)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
-        _name_files_outside(folder, name, tuple(value for key, value in spec.fixed.items() if key not in fixed))
+        stated = tuple(value for key, value in spec.fixed.items() if key not in fixed)
+        files.name_files_outside(folder, name, stated)
         return spec
 
     @classmethod
@@ -262,9 +266,7 @@ class MovieSpec(Model):
         `values` are other fields of `MovieSpec`, such as frames, by their names. They may be text.
         """
         sweeps = [Sweep.parse(text) for text in texts]
-        parts = (f"{sweep.parameter} from {_text(sweep.ends[0])} to {_text(sweep.ends[1])}" for sweep in sweeps)
-        title = f"{scene}, {', '.join(parts)}"[:200]
-        return cls(title=title, scene=scene, sweep=sweeps, **values)
+        return cls(title=_title(scene, sweeps), scene=scene, sweep=sweeps, **values)
 
     def with_fixed(self, values: Mapping[str, object]) -> Self:
         """Return the movie with these fixed parameters, added or replaced. They may be text. Raises InputError.
@@ -273,7 +275,8 @@ class MovieSpec(Model):
         """
         if not isinstance(values, Mapping):
             raise InputError(f"fixed = {shown(values)}: should be a dictionary of the scene's parameters")
-        windows = {**self.fixed, **values}.get("window", []) if {"index", "glass"} & values.keys() else []
+        glass = {"index", "glass"} & values.keys() & SCENES[self.scene].model_fields.keys()
+        windows = {**self.fixed, **values}.get("window", []) if glass else []
         dropped = replaced_by(values, as_windows(windows))
         kept = {name: value for name, value in self.fixed.items() if name not in dropped}
         spec = self.replace(fixed={**kept, **values})
@@ -298,9 +301,9 @@ class MovieSpec(Model):
         names = [sweep.parameter for sweep in self.sweep]
         rows = zip(*(sweep.in_frames(count, self.ease) for sweep in self.sweep), strict=True)
         scenes = [self._scene(dict(zip(names, row, strict=True)), n, count) for n, row in enumerate(rows, 1)]
-        if len({scene.view for scene in scenes}) > 1 and "view" not in {*self.fixed, *names}:
-            view = max(scene.view for scene in scenes)  # the picture keeps its scale
-            scenes = [scene.replace(view=view) for scene in scenes]
+        views = [scene.view for scene in scenes if isinstance(scene, AxialScene)]
+        if len({*views}) > 1 and "view" not in {*self.fixed, *names}:
+            scenes = [scene.replace(view=max(views)) for scene in scenes]  # the picture keeps its scale
         held, middle = round(self.hold * self.rate(quality)), count // 2
         if self._stays_halfway:
             scenes[middle:middle] = scenes[middle : middle + 1] * held
@@ -314,24 +317,26 @@ class MovieSpec(Model):
         value is Any, because the scene's model says whether it is a number or a pair.
         """
         model = SCENES[self.scene]
-        own = {name: self._rounded(name, x) for name, x in swept.items() if name not in WINDOW_NUMBERS}
+        values = {name: self._rounded(name, x) for name, x in swept.items()}
+        own = {name: x for name, x in values.items() if name in model.model_fields}
+        parts = {name: x for name, x in values.items() if "." in name}
         try:
-            if len(own) < len(swept):
-                own["window"] = self._windows({name: x for name, x in swept.items() if name not in own})
-            return model(**{**self.fixed, **own})
+            if windows := {name: x for name, x in values.items() if name not in own | parts}:
+                own["window"] = self._windows(windows)
+            scene = model(**{**self.fixed, **own})
+            return scene.with_numbers(parts) if parts else scene
         except InputError as error:
             try:
                 model(**self.fixed)
             except InputError as own:
                 if str(own) == str(error):
                     raise
-            values = [f", {x} = {_text(value)}" for x, value in swept.items() if not str(error).startswith(f"{x} = ")]
-            raise InputError(f"frame {n} of {count}{''.join(values)}: {error}") from None
+            texts = [f", {x} = {_text(value)}" for x, value in swept.items() if not str(error).startswith(f"{x} = ")]
+            raise InputError(f"frame {n} of {count}{''.join(texts)}: {error}") from None
 
     def _rounded(self, name: str, value: Any) -> Any:  # noqa: ANN401  (as in `_scene`)
         """Return a parameter's value. It is rounded if the parameter is a whole number, such as `prisms`."""
-        field = SCENES[self.scene].model_fields.get(WINDOW_NUMBERS.get(name, (1, name))[1])
-        return round(value) if field and field.annotation is int else value
+        return round(value) if self._fields[name].annotation is int else value
 
     def _windows(self, swept: dict[str, float]) -> list[FurtherWindow]:
         """Return the windows behind the first one, with swept numbers in place of their own. Raises InputError."""
@@ -342,7 +347,7 @@ class MovieSpec(Model):
                 raise InputError(
                     f"{name}: swept, but there is no window {number}; allowed: with --window or [[window]]"
                 )
-            windows[number - 2] = windows[number - 2].replace(**{field: self._rounded(name, value)})
+            windows[number - 2] = windows[number - 2].replace(**{field: value})
         return windows
 
     def _frames_there(self, quality: str) -> int:
@@ -385,57 +390,40 @@ class MovieSpec(Model):
         return rate
 
 
-def _from_folder(values: Mapping[str, object], folder: str | Path) -> dict[str, object]:
-    """Return fixed parameters so that relative paths of files start in the folder, also those of windows."""
-    names: dict[str, Collection[str]] = {"piece": PIECES, "profile": NAMES}
-    names |= {"sky": ("mountains",), "floor": ("tiles", "none")}
-
-    def moved(table: Mapping[str, object]) -> dict[str, object]:
-        return {x: from_folder(value, folder, names[x]) if x in names else value for x, value in table.items()}
-
-    def window(value: object) -> object:
-        with suppress(ValueError):  # the scene refuses it
-            table = window_table(value)
-            if isinstance(table, Mapping) and "profile" in table:
-                return moved(table)
-        return value
-
-    found = moved(values)
-    if "window" in found:
-        given = found["window"]
-        found["window"] = [*map(window, given)] if isinstance(given, list) else window(given)
-    return found
-
-
-def _name_files_outside(folder: str | Path, name: str, values: tuple[object, ...]) -> None:
-    """Warn of the files among values of the TOML file `name` that are not in the folder, also if a link leads there.
-
-    The record in what povgen makes contains them, and somebody else may have written the TOML file.
-    """
-    for path in dict.fromkeys(Path(path).resolve() for path in _paths(values)):
-        if not path.is_relative_to(Path(folder).resolve()):
-            text = f"povgen: warning: {name} names a file outside its folder, {str(path)!r}"
-            logging.getLogger("povgen").warning(f"{text}; what povgen makes can contain this file")
-
-
-def _paths(value: object) -> Iterator[str]:
-    """Yield the paths of the files in a parameter's value, also of those in tuples and windows."""
-    if isinstance(value, (Picture, PieceFile, ProfileFile)):
-        yield value.path
-    for part in value if isinstance(value, tuple) else [value.profile] if isinstance(value, FurtherWindow) else []:
-        yield from _paths(part)
-
-
 def spec_file(path: str | Path) -> Path | int:
     """Return the file that `MovieSpec.load` reads. It is 0, standard input, for the path "-"."""
-    if str(path) == "-":
-        return 0
-    file = in_home(Path(path))
-    return file if file.suffix == ".toml" or file.exists() and not file.is_dir() else MOVIES / f"{path}.toml"
+    return files.file_of(path, MOVIES)
 
 
-def swept_numbers(scene: type[Scene] | type[FurtherWindow]) -> dict[str, int]:
-    """Return the parameters of a class of scenes, or of `Window`, that can be swept.
+def is_room(values: Mapping[str, object]) -> bool:
+    """Whether the values of a TOML file state a room: as the scene, or by a room's tables without a scene's name."""
+    return values.get("scene", Room.name) == Room.name and not ROOM_TABLES.isdisjoint(values)
+
+
+def _with_fixed_table(values: dict[str, Any], folder: str | Path, fixed: Mapping[str, object]) -> dict[str, Any]:
+    """Return the values of a TOML file with those of the scene in the table [fixed], and its files in the folder.
+
+    Above this table a file states further windows of a preset. A room's file states all of the room there; the values
+    in `fixed` replace these.
+    """
+    own: Collection[str] = ["window"]
+    more: Mapping[str, object] = {}
+    if is_room(values):
+        sweeps = values.get("sweep")
+        title = _title(Room.name, sweeps if isinstance(sweeps, list) else [])
+        values = {"title": title, "scene": Room.name, "fixed": {}, **values}
+        own, more = Room.model_fields, fixed
+    stated, table = {name: values[name] for name in own if name in values}, values.get("fixed", {})
+    if not isinstance(table, dict):
+        return values
+    for name in stated.keys() & table.keys():
+        raise InputError(f"{name}: stated twice, also in the table [fixed]; allowed: only above it")
+    values = {name: value for name, value in values.items() if name not in stated}
+    return {**values, "fixed": {**files.in_folder({**stated, **table}, folder), **more}}
+
+
+def swept_numbers(scene: type[Model]) -> dict[str, int]:
+    """Return the parameters of a class of scenes, objects or windows that can be swept.
 
     For each name, the result has how many numbers a value has: 1, or 2 for a point.
     """
@@ -463,6 +451,11 @@ WINDOW_NUMBERS = {
     for name, count in swept_numbers(FurtherWindow).items()
     if count == 1
 }
+
+
+def _title(scene: str, sweeps: Iterable[object]) -> str:
+    ends = [(each.parameter, *map(_text, each.ends)) for each in sweeps if isinstance(each, Sweep)]
+    return ", ".join([scene, *(f"{name} from {start} to {stop}" for name, start, stop in ends)])[:200]
 
 
 def _text(value: object) -> str:

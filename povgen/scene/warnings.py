@@ -9,12 +9,16 @@ from povgen.inputs.pieces import PieceFile, without_comments
 from povgen.limits import (
     MAX_CONDITION,
     MAX_ERROR,
+    MAX_FACES,
     MIN_DESIGNED_FRACTION,
     MIN_PIXELS_PER_PRISM,
     moire_alpha,
 )
 from povgen.optics import uncertainty
+from povgen.optics.rays import MOST_CROSSINGS
+from povgen.optics.trace import End
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
+from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
@@ -27,16 +31,55 @@ UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they diffe
 
 
 def warnings(
-    scene: AxialScene, rendering: Rendering | None = None, found: Survey | None = None
+    scene: Scene, rendering: Rendering | None = None, found: Survey | None = None
 ) -> Iterator[tuple[str, str]]:
     """Yield, for each limit that a picture of the scene exceeds, the name of the parameter and a sentence.
 
     Without `rendering`, limits that depend on it, such as on the size of the picture, are not checked. `found` is the
     result of `survey`, if it is known already. If it is None, rays are traced.
     """
-    glass = scene.has_prisms
     yield from _of_pieces(scene, rendering)
-    if glass and (designed := (found or survey(scene)).designed) < MIN_DESIGNED_FRACTION:
+    designed = (found or survey(scene)).designed if scene.has_prisms else 1
+    yield from _of_axis(scene, designed) if isinstance(scene, AxialScene) else _of_room(scene, designed)
+    yield from _moire(scene)
+    if isinstance(scene, AxialScene):
+        yield from _of_predictions(scene, rendering)
+    if rendering and rendering.antialias is None:
+        yield from _noise(scene, rendering)
+
+
+def _of_room(scene: Scene, designed: float) -> Iterator[tuple[str, str]]:
+    """Yield warnings of rays that go round between windows, and of prisms through which little is seen."""
+    ends = scene.trace(scene.rays((64, 48)), MAX_FACES).end
+    if (lost := float((ends == End.UNFINISHED).mean())) > 0.001:
+        text = f"window: {100 * lost:.2g} % of the picture is black: these rays meet more than {MOST_CROSSINGS} windows"
+        yield "window", f"{text}, or {MAX_FACES} faces of prisms"
+    if designed < MIN_DESIGNED_FRACTION:
+        text = f"window: at most {100 * designed:.0f} % of a window shows light on the {_things(scene)}' designed path,"
+        yield "window", f"{text} other light is stray light or lost"
+
+
+def _noise(scene: Scene, rendering: Rendering) -> Iterator[tuple[str, str]]:
+    """Yield a warning for the prisms or periods that are narrowest in the picture, if pixels cannot show them."""
+    camera = scene.camera
+    along = np.cross(camera.right, camera.up)
+    middle = along @ np.subtract(camera.middle, camera.eye)
+    narrowest = (MIN_PIXELS_PER_PRISM, "", "")
+    for opening in scene.openings:
+        away = along @ (opening.pose.place - camera.eye)
+        if isinstance(sheet := opening.sheet, Layered) and away > 0:
+            pixels = float(sheet.pitch / camera.height * rendering.size[1] * middle / away)
+            thing = "prism" if isinstance(sheet, Prisms) else "period"
+            text = f"{sheet.counted} = {sheet.values[sheet.counted]}: a {thing} is {pixels:.2g} pixels wide;"
+            narrowest = min(narrowest, (pixels, sheet.counted, text))
+    if narrowest[1]:
+        text = f"{narrowest[2]} below {MIN_PIXELS_PER_PRISM} pixels, without antialiasing, the picture is noise"
+        yield narrowest[1], text
+
+
+def _of_axis(scene: AxialScene, designed: float) -> Iterator[tuple[str, str]]:
+    """Yield a warning if the windows show little light on the designed path."""
+    if designed < MIN_DESIGNED_FRACTION:
         eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
         shapes = [(name, sheet.values[name]) for name in UNUSUAL for sheet in scene.layered if name in sheet.values]
         unusual = (
@@ -46,7 +89,12 @@ def warnings(
         text += f" {_things(scene)}' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} other light is stray light or lost; below {least} little of the scene is visible"
-    for sheet, alpha in zip(scene.sheets, scene.alphas, strict=True):
+
+
+def _moire(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield a warning for each pair of sheets whose prisms or lenses are nearly parallel."""
+    for sheet in scene.sheets:
+        alpha = sheet.values.get("alpha", 0.0)
         turn = sheet.values.get("error", {}).get("turn", 0)  # the near sheet is turned by alpha/2 + turn
         if not isinstance(sheet, Layered) or sheet.layers < 2:
             continue
@@ -56,22 +104,18 @@ def warnings(
         value = f"alpha + 2 turn = {alpha + 2 * turn:.3g}" if turn else f"alpha = {alpha:.3g}"
         text = f"{value}: within {below:.2g} degrees of 0 the {sheet.counted} of the two sheets are nearly"
         yield "alpha", f"{text} parallel and make dark bands (moire)"
-    if glass or scene.rotates:
+
+
+def _of_predictions(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+    """Yield warnings of predictions that can be wrong, of darkness, and of rays that jump."""
+    if scene.has_prisms or scene.rotates:
         yield from _wrong_prediction(scene, rendering)
     if not scene.rotates:
         yield from _no_light(scene, rendering)
         yield from _jumps(scene, rendering)
-    if glass and rendering and rendering.antialias is None:
-        finest = min(scene.layered, key=lambda sheet: sheet.pitch)
-        pixels = finest.pitch / scene.view * rendering.size[1]
-        if pixels < MIN_PIXELS_PER_PRISM:
-            name, thing = finest.counted, "prism" if isinstance(finest, Prisms) else "period"
-            text = f"{name} = {finest.values[name]}: a {thing} is {pixels:.2g} pixels wide;"
-            text += f" below {MIN_PIXELS_PER_PRISM} pixels,"
-            yield name, f"{text} without antialiasing, the picture is noise"
 
 
-def _of_pieces(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
+def _of_pieces(scene: Scene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield what a user should know of the pieces from files."""
     shown = [piece for piece in pieces(scene).values() if isinstance(piece, PieceFile)]
     if notes := [f"piece = {str(piece)!r}: {piece.note}" for piece in shown if piece.note]:
@@ -86,7 +130,7 @@ def _of_pieces(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple
         yield "renderer", f"{text} with --renderer povray its own"
 
 
-def _things(scene: AxialScene) -> str:
+def _things(scene: Scene) -> str:
     return "prisms" if any(isinstance(sheet, Prisms) for sheet in scene.layered) else "lenses"
 
 

@@ -15,6 +15,7 @@ from PIL.Image import Image, fromarray
 
 from povgen import files
 from povgen.errors import InputError, TransientError, shown
+from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PieceFile
 from povgen.progress import bar, parts
 from povgen.record import MAX_FRAMES, MAX_PICTURES, PICTURES, Record, differing, in_png, shell_command
@@ -22,10 +23,11 @@ from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, views
+from povgen.scene.files import files_in
 from povgen.scene.scene import Scene, checked_scene, checked_scenes
-from povgen.scene.scenes import input_files, pieces, profile_files, with_seen_files
-from povgen.scene.shader import surroundings
+from povgen.scene.scenes import input_files, pieces, with_seen_files
 from povgen.settings import Options, Rendering
+from povgen.sheets.profile import ProfileFile
 from povgen.validation import as_flag, is_several
 from povgen.version import __version__
 
@@ -37,7 +39,9 @@ if TYPE_CHECKING:  # these, and `encode`, are slow to load, and a picture from t
 
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
 MADE_PIXELS = 1 << 25  # if so many pictures have more pixels together, fewer are made at once
-MAX_LARGE = 2**22  # a record holds the pictures of sky and floor only up to this number of bytes; also the meshes
+MAX_LARGE = (
+    2**22
+)  # a record holds the pictures of sky, floor and cards only up to this number of bytes; also the meshes
 
 
 class RenderOptions(Options, total=False):
@@ -223,7 +227,7 @@ def record_of(
                 raise InputError(f"piece = {shown(name)}: the file has changed; allowed: scenes with one text of it")
             if isinstance(piece, PieceFile) and piece.is_mesh:
                 meshes[name] = len(piece.text)
-        for profile in profile_files(scene):
+        for profile in (file for file in files_in(scene) if isinstance(file, ProfileFile)):
             if texts.setdefault(str(profile), profile.text) != profile.text:
                 raise InputError(f"profile = {shown(str(profile))}: its name has two texts; allowed: one text of it")
     if sum(meshes.values()) > MAX_LARGE:
@@ -245,8 +249,9 @@ def record_of(
 
 
 def _small_pictures(scenes: Sequence[Scene]) -> dict[str, str]:
-    """Return the pictures of sky and floor for the record: up to MAX_PICTURES, with up to MAX_LARGE bytes."""
-    files = {str(picture): picture.file.content for scene in scenes for picture in surroundings(scene).values()}
+    """Return the pictures of sky, floor and cards for the record: up to MAX_PICTURES, with up to MAX_LARGE bytes."""
+    every = (file for scene in scenes for file in files_in(scene) if isinstance(file, Picture))
+    files = {str(picture): picture.file.content for picture in every}
     small = len(files) <= MAX_PICTURES and sum(map(len, files.values())) <= MAX_LARGE
     return {name: base64.b64encode(png).decode() for name, png in files.items()} if small else {}
 

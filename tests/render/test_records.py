@@ -18,7 +18,7 @@ from povgen.cli import options as cli_options
 from povgen.inputs import mesh, pictures, pieces
 from povgen.liveview.values import values as live_values
 from povgen.rendering import povray
-from povgen.scene import scenes as scene_module
+from povgen.scene import scene as scene_module
 from povgen.version import __version__
 from povgen.video import still
 

@@ -16,7 +16,7 @@ from povgen.video.still import as_file, rendering_for
 
 
 @click.command("frame", cls=Command)
-@click.argument("scene", metavar="[SCENE]", required=False, help="chess or spheres; none with --from")
+@click.argument("scene", metavar="[SCENE]", required=False, help=f"{options.SCENE}; none with --from")
 @options.source
 @options.output("FILE", f"the file to write, {' or '.join(PICTURES)} (default frame.png)")
 @options.tolerance
@@ -38,7 +38,7 @@ def command(
     """
     if (scene is None) == (source is None):
         reason = ": missing" if scene is None else f" = {scene!r}: not with --from, which shows the file's scene"
-        raise InputError(f"scene{reason}; allowed: chess or spheres, or else --from FILE")
+        raise InputError(f"scene{reason}; allowed: {options.SCENE}, or else --from FILE")
     first = None
     if source is not None:
         record, (first, *others), values = options.again(source, output, values, quiet)
@@ -49,7 +49,7 @@ def command(
     if automatic is not None:
         values["sheet"] = "detailed"
     made = first.replace(**values) if first else options.scene_of(str(scene), values)
-    inputs: list[str | Path] = [*input_files([made]), *([source] if source else [])]
+    inputs: list[str | Path] = [*input_files([made]), *options.scene_files(scene), *([source] if source else [])]
     file = checked_output(output or "frame.png", PICTURES, inputs=inputs)
     rendering = rendering_for(file, chosen)
     check_unasked([] if output or dry_run else [file])
@@ -57,7 +57,8 @@ def command(
         sheet, choice = automatic.choose([made], {**chosen, "bits": rendering.bits}, quiet)
         made, rendering = made.replace(**sheet), rendering_for(file, {**chosen, **choice})
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
-    if options.ready([made], rendering, values if automatic is None else {}, dry_run, quiet):
+    stated = values if first else options.stated(made, values)
+    if options.ready([made], rendering, stated if automatic is None else {}, dry_run, quiet):
         save(as_file(made, rendering, file.suffix, quiet=quiet), file)
         if not quiet:
             wrote(file)

@@ -4,23 +4,35 @@ import click
 
 from povgen.cli.command import NAMES, Command, described
 from povgen.inputs.pieces import PIECES
+from povgen.objects import OBJECTS
+from povgen.objects.placed import Placed
+from povgen.objects.window import Window
 from povgen.optics.glasses import GLASSES, index
 from povgen.progress import tell
+from povgen.scene.room import Eye
 from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, MovieSpec
-from povgen.sheets import SHEETS
+from povgen.sheets import PARAMETERS, SHEETS
 from povgen.sheets.parameters import WAVELENGTH
+from povgen.validation import Model
 
 
 @click.command("list", cls=Command)
 def command() -> None:
-    """List the scenes with their parameters, the kinds of sheets, the pieces, the glasses, and povgen's own movies."""
+    """List scenes with parameters, objects of rooms, kinds of sheets, pieces, glasses, and povgen's own movies."""
 
     formatter = click.HelpFormatter(max_width=120)
     for name, scene in SCENES.items():
         with formatter.section(f"{name}: {scene.subject}"):
             rows = [(f"--{field.replace('_', '-')}", described(info)) for field, info in scene.model_fields.items()]
             formatter.write_dl(rows, NAMES)
+    parts: dict[str, type[Model]] = {"--eye": Eye, "each --object and --window": Placed, "--window": Window}
+    parts |= {f"--object kind={name}": kind for name, kind in OBJECTS.items()}
+    for name, part in parts.items():
+        shared = {*PARAMETERS, *Placed.model_fields} if part is not Placed and part is not Eye else set()
+        with formatter.section(f"room, {name}"):
+            own = ((field, described(info)) for field, info in part.model_fields.items() if field not in shared)
+            formatter.write_dl([*own], NAMES)
     with formatter.section("sheets"):
         formatter.write_dl([(kind.name, kind.does) for kind in SHEETS.values()], NAMES)
     tell(formatter.getvalue())

@@ -26,16 +26,16 @@ from povgen.video.build import Film, FilmOptions, Plan, check_views, film, plann
     "spec",
     metavar="[SPEC]",
     required=False,
-    help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene (chess or "
-    "spheres); none with --from",
+    help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene (chess, spheres or "
+    "room) or a room's TOML file; none with --from",
 )
 @options.source
 @click.option(
     "--sweep",
     metavar="NAME=START:STOP",
     multiple=True,
-    help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180 or z1=1:9:log. The spacing can be "
-    ":linear or :log. Give it once for each parameter",
+    help="SPEC is a scene, and a parameter changes from START to STOP: alpha=0:180, z1=1:9:log or, of a room, "
+    "left.alpha=0:180 or eye.x=-1:1. The spacing can be :linear or :log. Give it once for each parameter",
 )
 @click.option("--frames", metavar="N", help="frames from start to stop, at every quality, 2 to 10000")
 @click.option("--frame-rate", metavar="RATE", help="frames a second at quality standard, or of --frames, 0.1 to 120")
@@ -84,7 +84,7 @@ def command(
         check_views(made.scenes, rendering)
     else:
         # a dry run writes nothing: then the default output may be the source
-        own = [] if sweep or dry_run and not output else [source or spec_file(str(spec))]
+        own = [] if spec in SCENES or dry_run and not output else [source or spec_file(str(spec))]
         file = planned(made, file, rendering, own).output
         check_unasked([] if output or dry_run else [file])
     if automatic is not None:
@@ -136,15 +136,11 @@ def _movie_of(spec: str, sweeps: Sequence[str], values: Values, fixed: Values) -
 
     Raises InputError.
     """
-    if not sweeps:
-        if spec in SCENES and not Path(spec).is_file() and not (MOVIES / f"{spec}.toml").exists():
-            raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
-        return MovieSpec.load(spec, fixed).replace(**values)
-    if spec not in SCENES:
-        raise InputError(
-            f"sweep = {sweeps[0]!r}: not with the movie {spec!r}; allowed: with a scene: {' or '.join(SCENES)}"
-        )
-    return MovieSpec.of_sweeps(spec, sweeps, values)
+    if sweeps and spec in SCENES:
+        return MovieSpec.of_sweeps(spec, sweeps, {**values, "fixed": fixed})
+    if not sweeps and spec in SCENES and not Path(spec).is_file() and not (MOVIES / f"{spec}.toml").exists():
+        raise InputError(f"{spec}: a scene, no movie spec; allowed: with sweeps, such as --sweep alpha=0:180")
+    return MovieSpec.load(spec, fixed, sweeps).replace(**values)
 
 
 def _check_shard(part: str, scheduler: str | None, output: Path | None) -> None:

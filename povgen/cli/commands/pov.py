@@ -34,10 +34,12 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     if part and sampling:
         raise InputError(f"part = {part!r}, {next(iter(sampling))}: the picture is not povgen's; allowed: one of them")
     if output is not None:
-        output = checked_output(output, [".inc" if part else ".pov"], inputs=input_files([made]))
+        output = checked_output(
+            output, [".inc" if part else ".pov"], inputs=[*input_files([made]), *options.scene_files(scene)]
+        )
     name = "scene.pov" if output is None else output.name
     text = to_sheets(made) if part else to_pov(made, file=name, **sampling)
-    warn(values, [made])
+    warn(options.stated(made, values), [made])
     for outline in made.outlines:
         say(f"povgen: warning: {outline} = true: no effect in a .pov file; povgen draws it on the rendered picture")
     if output is None:

@@ -19,7 +19,7 @@ from povgen.progress import tell
 from povgen.record import check_unasked
 from povgen.rendering.parallel import worker_count
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import input_files
+from povgen.scene.scenes import checked_axial, input_files
 from povgen.sheets.prisms import ERRORS
 
 
@@ -54,7 +54,8 @@ def command(
     **values: Any,  # noqa: ANN401  (texts and Booleans)
 ) -> None:
     """Trace how errors of building a pair of sheets change what is seen: for each error, and for random builds."""
-    made, count = options.scene_of(scene, values), worker_count(workers)
+    made = checked_axial(options.scene_of(scene, values), "povgen tolerance")
+    count = worker_count(workers)
     warn_unused(values, [made])
     given = {name: value for name, value in (("builds", builds), ("seed", seed)) if value is not None}
     spread = tolerance.Spread(deviation=deviation, **given)

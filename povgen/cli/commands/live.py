@@ -1,0 +1,32 @@
+"""The command povgen live."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from povgen.cli import options
+from povgen.cli.command import Command, fields
+from povgen.cli.report import warn_unused
+from povgen.files import checked_output
+from povgen.liveview.view import live
+from povgen.progress import wrote
+from povgen.record import check_unasked
+
+
+@click.command("live", cls=Command)
+@options.scene
+@options.output("FILE", "the page, .html (default live.html)")
+@options.quiet
+@fields("scenes")
+def command(scene: str, output: Path | None, quiet: bool, **values: Any) -> None:  # noqa: ANN401
+    """Make a page that shows a scene live: the eye moves by mouse and keys. It needs a browser, and no network."""
+    made = options.scene_of(scene, values)
+    file = checked_output(output or "live.html", [".html"], inputs=options.scene_files(scene))
+    check_unasked([] if output else [file])
+    view = live(made)
+    if not quiet:
+        warn_unused(options.stated(made, values), [made])
+    view.save(file)
+    if not quiet:
+        wrote(file)
