@@ -47,9 +47,12 @@ Finish FrameTexture(int w, vec3 p) {
   // each side's texture is that of the upper side, turned
   vec2 beside = abs(p.xy) - windowHalf[w];
   vec2 q = beside.x > beside.y ? (p.x < 0.0 ? vec2(p.y, -p.x) : vec2(-p.y, p.x)) : (p.y > 0.0 ? p.xy : -p.xy);
-  float beyond = max(beside.x, beside.y);
-  if (windowRound[w]) beyond = length(p.xy) * (1.0 - 1.0 / length(p.xy / windowHalf[w]));
-  if (beyond > 0.0 && beyond < 0.2 * frameRim && p.z < 1e-4 - windowDepth[w] / 2.0) {
+  bool lip = max(beside.x, beside.y) < 0.2 * frameRim;
+  if (windowRound[w]) {
+    q = p.xy;
+    lip = length(p.xy / (windowHalf[w] + 0.2 * frameRim)) < 1.0;
+  }
+  if (lip && !isInWindow(w, p.xy) && p.z < 1e-4 - windowDepth[w] / 2.0) {
     return Finish(vec3({{ materials.LIP }}), {{ materials.FINISHES.lip | join(", ") }}, true);
   }
   float fibres = Fibres(q.x, q.y, p.z);

@@ -32,11 +32,12 @@ class Board(SceneObject):
       translate <-0.5, -0.5, 0>
       scale <{{ n }}Width, {{ n }}Height, 1>
     }
+    finish { {{ materials.finish("card") }} }
   }
   box { <-{{ n }}Width/2, -{{ n }}Height/2, 0.001>, <{{ n }}Width/2, {{ n }}Height/2, {{ n }}Depth>
     pigment { rgb <{{ materials.CARD_BACK }}> }
+    finish { {{ materials.finish("card") }} }
   }
-  finish { {{ materials.finish("card") }} }
 }"""
     glsl = """
 #ifdef CARDS

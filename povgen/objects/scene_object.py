@@ -62,7 +62,7 @@ class SceneObject(Placed):
     def lengths(self) -> dict[str, float]:
         """The lengths that `sdl` uses, in tiles, by their names."""
         own = (name for name in type(self).model_fields if name not in Placed.model_fields)
-        return {name: value for name in own if isinstance(value := getattr(self, name), float)}
+        return {name: value for name in own if isinstance(value := getattr(self, name), (int, float))}
 
     @property
     def colour(self) -> tuple[float, float, float]:

@@ -30,6 +30,7 @@ MOST = 10**8  # rays of a spot: their points need 2 GB
 AT_ONCE = 4 * 10**7  # rays of a bundle: they need 2 GB
 MOST_FACES = 100_000
 MOST_CROSSINGS = 100  # of windows, by one ray
+AWAY = 5e-5  # tiles: so far behind a sheet a ray that leaves it starts, for another tracer
 # the greatest error of the transverse part of a traced ray's unit direction: that of light that comes from behind
 _PRECISION = 1e-11
 
@@ -298,13 +299,15 @@ def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Ind
     """Follow a bundle as `trace_windows` does. Return the rays behind the first ideal sheet that each passes ...
 
     For each number of ideal sheets passed, from 1, these are the numbers of the rays (n,) in the flat bundle, in their
-    order, and their positions and directions (n, 3) behind the sheet.
+    order, and their positions and directions (n, 3). A position is AWAY behind the sheet.
     """
     windows = list(windows)
     way = _way(rays, windows, [window.sheet.layers_at(0.0, 0) for window in windows], most, None)
     count = np.zeros(len(way.rays.end), int)
     legs: list[list[tuple[Indices, Floats, Floats]]] = []
-    for i, position, direction in way.bent:
+    for i, position, direction, w in way.bent:
+        normal = windows[w].pose.axes[2]
+        position = position + AWAY * np.sign(direction @ normal)[:, None] * normal
         for leg in np.unique(count[i]):
             some = count[i] == leg
             legs += [[] for _ in range(len(legs), leg + 1)]
@@ -347,8 +350,8 @@ class _Way:
     most: int
     partial: "np.random.Generator | None"
     met: list[NDArray[np.int32]] = field(default_factory=list)  # the windows that the rays have met, one after another
-    # the rays that ideal sheets have bent: their numbers, positions and directions, in the scene's coordinates
-    bent: list[tuple[Indices, Floats, Floats]] = field(default_factory=list)
+    # the rays that ideal sheets have bent: their numbers, positions and directions, and the number of the window
+    bent: list[tuple[Indices, Floats, Floats, int]] = field(default_factory=list)
 
     def run(self) -> None:
         """Follow each ray to its end."""
@@ -389,13 +392,13 @@ class _Way:
             self.through_glass(i, w, ahead, position, direction, ends)
         else:
             self.bend(np.flatnonzero(ahead), window, position, direction, ends)
+            passed = ahead & (ends == End.THROUGH)
+            self.bent.append((i[passed], *window.pose.scene(position[passed], direction[passed]), w))
             way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
             framed = window.outline.excludes(*(position + way[:, None] * direction)[:, :2].T)
             ends[(ends == End.THROUGH) & framed] = End.FRAME
         self.rays.position[i], self.rays.direction[i] = window.pose.scene(position, direction)
         back, leaves = ends == End.BACK, ends <= End.BACK
-        if not self.sheets[w]:
-            self.bent.append((i[leaves], self.rays.position[i[leaves]], self.rays.direction[i[leaves]]))
         returned = (self.rays.end[i] == End.BACK) ^ back
         self.rays.end[i] = np.where(leaves, np.where(returned, End.BACK, End.THROUGH), ends)
         return i[leaves]

@@ -109,7 +109,7 @@ def _table(position: Floats, direction: Floats, tile: int) -> bytes:
     u = np.cross(direction, start)
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     v = np.cross(direction, u)
-    sides = u, -u / 2 + np.sqrt(0.75) * v, -u / 2 - np.sqrt(0.75) * v
+    sides = u, -u / 2 - np.sqrt(0.75) * v, -u / 2 + np.sqrt(0.75) * v  # the normal is that of a left-handed system
     corners = np.stack([tile * (position + side) for side in sides], 1).reshape(-1, 3)
     count = len(position)
     vectors = b"".join(_vectors(corners[n : n + PART]) for n in range(0, len(corners), PART))
