@@ -17,7 +17,7 @@ from povgen.optics.faces import Booleans, Floats, Indices
 from povgen.optics.rays import Bundle, Opening, nearest, slope_of_light
 
 MOST = 6  # windows on a path
-STARTS = 4  # rays from which a path through a sequence of windows is searched for
+STARTS = 2  # rays from which a path through a sequence of windows is searched for
 _ROW = 40  # rays to a window in a row of the net
 _ANGLES = np.tan(np.radians(np.linspace(-84, 84, 57)))  # slopes of the net's other rays
 _PRECISION = 1e-9  # a path misses the point by at most this fraction of the point's distance from the eye
@@ -112,6 +112,7 @@ class Paths:
         s = (d[:, 0] + 1j * d[:, 1]) / d[:, 2]
         P = p[:, 0] + 1j * p[:, 1] - p[:, 2] * s
         after, slope = self._sheet(w, P, s, way > 0)
+        after = np.where(np.isfinite(slope), after, np.nan)
         if framed:
             planes = window.frame / 2, self.centres[w]  # as `apparent.passes`
             crossed = [point for z in planes for point in (P - way * z * s, after + way * z * slope)]
@@ -138,7 +139,8 @@ class Paths:
         """Return the images of each of the points (n, 3): those nearest to the picture's middle first.
 
         A path passes up to MOST windows; the straight path counts too. Of light through a sheet that does not image,
-        the path is that of the one ray that reaches the eye. Objects hide nothing. A sequence of windows is found if
+        the path is that of the ray that reaches the eye. Through several windows that are turned against each other
+        there can be several paths in the same sequence. Objects hide nothing. A sequence of windows is found if
         rays of a net pass it, 40 to a window in a row: what is seen of a window within less than that can be missed. A
         point that the eye sees in all directions, or in those of a line, has no image.
         """
@@ -168,9 +170,7 @@ class Paths:
                 some = rays[which.ravel() == n]
                 start, direction = self.legs[k].start[some], self.legs[k].direction[some]
                 off = np.linalg.norm(np.cross(points[:, None] - start, direction), axis=-1)
-                best = some[np.argsort(off, axis=1)[:, :STARTS]]
-                target = np.repeat(np.arange(len(points)), best.shape[1])
-                yield tuple(sequence.tolist()), (target, self.net[best.ravel()])
+                yield tuple(sequence.tolist()), _closest(off, self.net[some])
 
     def _search(self, sequence: Sequence[int], points: Floats, starts: Complexes) -> Complexes:
         """Return positions (n,) near these of rays that pass the points (n, 3) behind a sequence of windows.
@@ -221,6 +221,23 @@ class Paths:
             if np.linalg.norm(np.cross(to, direction)) <= enough and 0 < to @ direction <= length:
                 corners = [leg.start[n] for leg in legs[: len(sequence) + 1]]
                 yield n, complex(positions[n]), np.stack([*corners, point])
+
+
+def _closest(off: Floats, net: Complexes) -> tuple[Indices, Complexes]:
+    """Return for each point those rays of a net (m,) that pass it most closely, and are not near each other.
+
+    `off` (n, m) are the distances from the points. The result is the number of the point, and the ray's position.
+    """
+    apart = 0.2 * max(np.ptp(net.real), np.ptp(net.imag))
+    found: list[tuple[int, complex]] = []
+    for n, row in enumerate(off):
+        for _ in range(STARTS if np.isfinite(row).any() else 0):
+            found.append((n, net[best := np.argmin(row)]))
+            row[abs(net - net[best]) <= apart] = np.inf
+            if not np.isfinite(row).any():
+                break
+    target, position = zip(*found, strict=True)
+    return np.array(target), np.array(position)
 
 
 def _both_ways(matrix: Floats | None) -> tuple[Floats, Floats] | None:

@@ -5,7 +5,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. x points rig
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import islice
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -145,10 +145,10 @@ class Scene(Model):
         """The windows by their names: window1, window2, ..., where they have no own ones."""
         return {f"window{n}": opening for n, opening in enumerate(self.openings, 1)}
 
-    @cached_property
+    @property
     def paths(self) -> Paths:
         """The paths of light to the eye."""
-        return Paths(self.camera, self.named_openings)
+        return _paths(self)
 
     @cached_property
     def object_images(self) -> list[tuple[SceneObject, list[Image]]]:
@@ -198,6 +198,11 @@ class Scene(Model):
         `max_faces` that is not a whole number from 1 to 100,000.
         """
         return trace_windows(rays, self.openings, max_faces, partial)
+
+
+@lru_cache(maxsize=4)  # they need up to 16 MB
+def _paths(scene: Scene) -> Paths:
+    return Paths(scene.camera, scene.named_openings)
 
 
 SCENES: dict[str, type[Scene]] = {}  # the classes of scenes, by their names
