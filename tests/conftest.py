@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from types import SimpleNamespace
@@ -89,14 +89,14 @@ def pytest_collection_modifyitems(items):
     """Mark tests by their files.
 
     A test of a browser or a cluster that fails is run once more: it depends on other programs. The end of the run names
-    it as RERUN. The tests in a file of the page share a browser.
+    it as RERUN. The tests of the page share two browsers, because each takes long to start and to draw its first page.
     """
     for item in items:
         path = item.path.relative_to(PROJECT / "tests")
         if path.parts[0] == "release":
             item.add_marker("release")
         if path.parent.name == "demo":
-            item.add_marker(pytest.mark.xdist_group(path.stem))
+            item.add_marker(pytest.mark.xdist_group("demo a-l" if path.stem < "test_m" else "demo m-z"))
         if path.parent.name == "demo" or path.name in ("test_live.py", "test_cluster.py", "test_firefox.py"):
             item.add_marker(pytest.mark.flaky(reruns=1))
             item.add_marker(pytest.mark.timeout(600))
@@ -277,26 +277,40 @@ def drawing(started_drawing, monkeypatch):
     monkeypatch.setattr(gl_runner, "Runner", lambda *_: started_drawing)
 
 
-def patient(browser):
-    """Let the pages of a browser wait long: one that draws without a GPU, on a busy machine, is no fault."""
-    new_page = browser.new_page
+@contextmanager
+def started_browser(script=""):
+    """Start a Chromium whose pages wait long, and run a script first.
 
-    def waiting(**options):
-        page = new_page(**options)
-        page.set_default_timeout(240_000)  # ms
-        return page
+    One that draws without a GPU, on a busy machine, is no fault.
 
-    browser.new_page = waiting
-    return browser
+    EGL draws for it, here Mesa, in 40 % of SwiftShader's CPU time. Without EGL, Chromium takes SwiftShader, as it does
+    for users without a GPU, and for `chromium` in the tests for a release.
+    """
+    from povgen.measure import browser
+
+    others = [each for each in browser.ARGUMENTS if not each.startswith("--use-angle")]
+    mesa = "--use-angle=gl-egl --ignore-gpu-blocklist --disable-gpu-compositing".split()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("EGL_PLATFORM", "surfaceless")
+        patch.setattr(browser, "ARGUMENTS", [*others, *mesa])
+        with browser.chromium() as started:
+            new_page = started.new_page
+
+            def waiting(**options):
+                page = new_page(**options)
+                page.set_default_timeout(240_000)  # ms
+                page.add_init_script(script)
+                return page
+
+            started.new_page = waiting
+            yield started
 
 
 @pytest.fixture(scope="module")
 def browser():
-    """A Chromium that draws without a GPU."""
-    from povgen.measure.browser import chromium
-
-    with chromium() as started:
-        yield patient(started)
+    """The Chromium of a module's tests."""
+    with started_browser() as started:
+        yield started
 
 
 # ---- The page's scripts ----

@@ -108,8 +108,7 @@ def test_the_page_shows_the_scene_and_follows_it(page):
     before = canvas(page)
     shown = page.evaluate("([w, h]) => { const l = light(view, w, h, 4); return [...l.slice(0, 4)]; }", list(SIZE))
     assert before.std() > 30 and shown[3] == 4
-    page.evaluate("view.set({ alpha: -66 })")
-    assert not page.evaluate("view.converged()")
+    assert not page.evaluate("view.set({ alpha: -66 }), view.converged()")
     at_rest(page)
     after = canvas(page)
     changed = abs(after - before).max(-1) > 30

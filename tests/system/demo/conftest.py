@@ -4,11 +4,9 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from conftest import NAMES, patient
+from conftest import NAMES, started_browser
 from PIL import Image
 from playwright.sync_api import expect
-
-from povgen.measure import browser as chromium
 
 expect.set_options(timeout=240_000)  # ms: a busy machine is no fault
 WORK = {"width": 1000, "height": 640}  # a small canvas costs less
@@ -19,18 +17,9 @@ DRAWN = "if (Object.hasOwn(view, 'later')) { delete view.later; view.again(); }"
 
 @pytest.fixture(scope="package")
 def browser():
-    """The Chromium of all tests in this folder.
-
-    EGL draws the live view, here Mesa, in 40 % of SwiftShader's CPU time. Without EGL, Chromium takes SwiftShader. The
-    page is put together without either, in less time.
-    """
-    others = [each for each in chromium.ARGUMENTS if not each.startswith("--use-angle")]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("EGL_PLATFORM", "surfaceless")
-        mesa = "--use-angle=gl-egl --ignore-gpu-blocklist --disable-gpu-compositing".split()
-        patch.setattr(chromium, "ARGUMENTS", [*others, *mesa])
-        with chromium.chromium() as started:
-            yield patient(started)
+    """The Chromium of all tests in this folder. Its pages have few rays: those of a coarse display."""
+    with started_browser("window.devicePixelRatio = 0.2") as started:
+        yield started
 
 
 @pytest.fixture(scope="package")
@@ -53,10 +42,9 @@ class Faults(list):
 
 
 def opened(browser, file, hash_="", **options):
-    """Open the teaching page, with few rays: those of a coarse display."""
+    """Open the teaching page, without its guided start."""
     page = browser.new_page(viewport=WORK, **options)
     faults = Faults().watch(page, file.parent.as_uri())
-    page.add_init_script("window.devicePixelRatio = 0.2")
     page.goto(file.as_uri() + hash_)
     page.evaluate(NAMES)
     page.evaluate("tour.leave(); OPENING.level = 'expert'; change({ level: 'expert' }); draw()")
