@@ -92,7 +92,7 @@ class Scene(Model):
     @property
     def contents(self) -> Sequence[SceneObject]:
         """The objects, the floor among them."""
-        raise NotImplementedError
+        return ()
 
     @property
     def parts(self) -> Mapping[str, Model]:
