@@ -4,15 +4,12 @@ A position in the rectangle that the picture shows is a complex number x + iy, i
 along the picture's sides: x to the right and y up.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from povgen.optics.rays import Bundle
-
-if TYPE_CHECKING:
-    from povgen.scene.model import EyeAndWindows
 
 Size = tuple[int, int]  # width and height, pixels
 Vector = tuple[float, float, float]
@@ -56,7 +53,10 @@ class Camera(NamedTuple):
         return Bundle(self.eye, direction)
 
 
-def rays(scene: "EyeAndWindows", size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+def rays(
+    scene: Any,  # noqa: ANN401  (an `EyeAndWindows`, whose module imports this one)
+    size: Size,
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     """Return which pixels show the window, (height, width), and the unit directions of these pixels' rays, (n, 3).
 
     A pixel shows the window if its ray passes the frame's opening in two planes: at the frame's front, and at z = 0.
@@ -68,7 +68,7 @@ def rays(scene: "EyeAndWindows", size: Size) -> tuple[NDArray[np.bool_], NDArray
     return inside, scene.camera.rays(size).direction[inside]
 
 
-def window(scene: "EyeAndWindows", size: Size) -> tuple[slice, slice]:
+def window(scene: Any, size: Size) -> tuple[slice, slice]:  # noqa: ANN401  (as for `rays`)
     """Return the rows and the columns of the pixels that show the window. Raises IndexError if there are none."""
     inside, _ = rays(scene, size)
     y, x = np.argwhere(inside)[[0, -1]].T

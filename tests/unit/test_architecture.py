@@ -88,7 +88,7 @@ def test_there_is_no_circle_of_imports():
             {"rendering.povray", "rendering.gl_runner", "rendering.parallel", "inputs.readers", "video.encode"},
         ),
         ("imageio", {"video.encode"}),
-        ("PIL", {"rendering", "inputs.fields", "inputs.picture_reader", "inputs.pictures", "video"}),
+        ("PIL", {"rendering", "inputs.fields", "inputs.picture_reader", "inputs.pictures", "objects", "video"}),
         ("matplotlib", {"measure.plotting"}),
         ("flip_evaluator", {"rendering.flip"}),
         ("playwright", {"measure.browser"}),
