@@ -83,6 +83,20 @@ def test_a_point_is_seen_beside_and_through_a_window():
     assert [each.windows for each in room.images((0.1, 0.1, -2))] == [()]  # before the windows
 
 
+@pytest.mark.parametrize(("yaw", "most"), [(0, 0.001), (20, 0.0015)])
+def test_through_prisms_it_is_where_their_designed_light_comes_from(yaw, most, rng):
+    room = Room([Window(sheet="detailed", alpha=40, yaw=yaw, prisms=100)], eye=Eye(z=-6))
+    for point in [(0.3, 0.2, 2), (-0.4, 0.3, 3), (0.1, -0.5, 1.5)]:
+        (image,) = room.images(point)
+        step = 0.1 * rng.normal(size=(2, 4000)).T @ (1, 1j)
+        light = room.trace(room.camera.through(image.position + step))
+        step, light = step[light.designed], light[light.designed]
+        off = light.at(point[2]) - complex(*point[:2])
+        (off, along, across), *_ = np.linalg.lstsq(np.column_stack((step**0, step, step.conj())), off, rcond=None)
+        size = abs(along) ** 2 - abs(across) ** 2
+        assert len(step) > 500 and abs(along.conj() * off - across * off.conj()) / abs(size) < most
+
+
 @pytest.mark.parametrize("point", [(1, 0, 6), (0, 0, 6), (0, 0, -7), (4, 0, 2)])
 def test_what_no_path_reaches_has_no_image(point):
     """It appears at infinity, or in all directions; it is behind the eye, or a frame hides it."""
