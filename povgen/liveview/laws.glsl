@@ -20,7 +20,7 @@ vec3 bent(vec3 d, vec2 place, int number) {
 
 // The slope x/z, y/z behind a sheet of a ray that has the slope `before` it. Far from 0 where no light passes.
 vec2 slopeBehind(vec2 before, vec2 place, int number) {
-  vec3 d = bent(vec3(before, 1), place, number);
+  vec3 d = bent(normalize(vec3(before, 1)), place, number);
   return d.z > 0.0 ? d.xy / d.z : vec2(1e9);
 }
 
