@@ -5,7 +5,7 @@ Lengths are in tiles (the side of a floor tile), angles in degrees. x points rig
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import islice
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -145,17 +145,6 @@ class Scene(Model):
         """The windows by their names: window1, window2, ..., where they have no own ones."""
         return {f"window{n}": opening for n, opening in enumerate(self.openings, 1)}
 
-    @property
-    def paths(self) -> Paths:
-        """The paths of light to the eye."""
-        return _paths(self)
-
-    @cached_property
-    def object_images(self) -> list[tuple[SceneObject, list[Image]]]:
-        """The objects, without a floor, and the images of the point of each (`SceneObject.point`)."""
-        points = [(each, point) for each in self.contents if (point := each.point) is not None]
-        return [*zip((each for each, _ in points), self.paths.images([point for _, point in points]), strict=True)]
-
     @input_errors()
     def images(self, point: ArrayLike) -> list[Image]:
         """Return where the eye sees a point (x, y, z), tiles, through any windows and beside them: `optics.paths`.
@@ -168,7 +157,7 @@ class Scene(Model):
         place = real("point", point)
         if place.shape != (3,) or not np.isfinite(place).all():
             raise ValueError(f"point = {shown(point)}: allowed: x, y and z, in tiles")
-        return self.paths.images(place)[0]
+        return paths(self).images(place)[0]
 
     @property
     def tile(self) -> int:
@@ -201,8 +190,16 @@ class Scene(Model):
 
 
 @lru_cache(maxsize=4)  # they need up to 16 MB
-def _paths(scene: Scene) -> Paths:
+def paths(scene: Scene) -> Paths:
+    """Return the paths of light to a scene's eye."""
     return Paths(scene.camera, scene.named_openings)
+
+
+@lru_cache(maxsize=4096)  # caption, legend, overlay and plan need them
+def object_images(scene: Scene) -> list[tuple[SceneObject, list[Image]]]:
+    """Return the objects that have a point (`SceneObject.point`), and the images of each one's."""
+    points = [(each, point) for each in scene.contents if (point := each.point) is not None]
+    return [*zip((each for each, _ in points), paths(scene).images([point for _, point in points]), strict=True)]
 
 
 SCENES: dict[str, type[Scene]] = {}  # the classes of scenes, by their names

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from povgen.inputs.pieces import PIECES
 from povgen.optics import equations
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
-from povgen.scene.scene import Scene
+from povgen.scene.scene import Scene, object_images
 from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
@@ -27,6 +27,7 @@ SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 MOVING = 1.25  # the factor by which the text of a movie's short caption is larger: it is read while something moves
 LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
 LEAST_GROWTH = 1.4  # it states the size only if the size changes by more than this factor
+MOST_NAMES = 4  # of points that are not seen
 MOST_SHEETS = 4  # the caption of a room states its sheets if there are at most so many different ones
 
 Reals = NDArray[np.float64]
@@ -124,9 +125,11 @@ def _without_image(scene: Scene) -> list[str]:
     counts = Counter(each.called for each in scene.contents)
     unseen = [
         f"{each.point_is} of {each.called if counts[each.called] == 1 else names.get(id(each), each.called)}"
-        for each, images in scene.object_images
+        for each, images in object_images(scene)
         if not images
     ]
+    if len(unseen) > MOST_NAMES:
+        unseen[MOST_NAMES - 1 :] = [f"{len(unseen) - MOST_NAMES + 1} others"]
     return [f"not seen: {', '.join(unseen)}"] if unseen else []
 
 

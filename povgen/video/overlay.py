@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
-from povgen.scene.scene import Scene
+from povgen.scene.scene import Scene, object_images
 from povgen.scene.scenes import AxialScene, Chess
 from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
@@ -104,7 +104,7 @@ def marks(scene: Scene) -> dict[tuple[str, Colour], list[complex]]:
     An object that is seen several times has several marks.
     """
     found: dict[tuple[str, Colour], list[complex]] = {THROUGH: [], DIRECTLY: []}
-    for image in (image for _, images in scene.object_images for image in images):
+    for image in (image for _, images in object_images(scene) for image in images):
         found[THROUGH if image.windows else DIRECTLY].append(image.position)
     return {kind: places for kind, places in found.items() if places}
 

@@ -11,7 +11,7 @@ from povgen.objects.scene_object import SceneObject
 from povgen.optics.faces import Floats
 from povgen.optics.paths import Leg
 from povgen.optics.rays import Opening
-from povgen.scene.scene import Scene
+from povgen.scene.scene import Scene, object_images, paths
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 LEAST, MOST = 0.38, 0.6  # height of the plan, as a fraction of the picture's height
@@ -83,7 +83,7 @@ def plan(scene: Scene, width: int, height: int, shows: Plan) -> NDArray[np.uint8
 
     fan = np.linspace(-0.49, 0.49, RAYS) * scene.camera.height
     across = fan * width / height if shows.from_above else 1j * fan
-    for ray in _followed(scene.paths.walk(scene.camera.through(across)), 2 * (wide + high)):
+    for ray in _followed(paths(scene).walk(scene.camera.through(across)), 2 * (wide + high)):
         line(ray, RAY, 0.7)
     for each in _near(scene):
         corners = _corners(each)
@@ -91,7 +91,7 @@ def plan(scene: Scene, width: int, height: int, shows: Plan) -> NDArray[np.uint8
             line(corners[[a, b]], OBJECT)
     for opening in scene.openings:
         line(_outline(opening), SHEET, 2)
-    for light in (image.corners for _, images in scene.object_images for image in images):
+    for light in (image.corners for _, images in object_images(scene) for image in images):
         line(light, SEEN)
     eye = np.array(scene.camera.eye)
     x, y = FINER * pixels(eye)

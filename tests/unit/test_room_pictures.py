@@ -12,6 +12,7 @@ from povgen.objects.sphere import Sphere
 from povgen.objects.text import Text
 from povgen.objects.window import Window
 from povgen.scene.room import Eye, Room
+from povgen.scene.scene import object_images, paths
 from povgen.settings import Rendering
 from povgen.video import overlay, plan, side
 from povgen.video.captions import captions
@@ -75,7 +76,7 @@ def test_marks_are_where_the_eye_sees_the_objects():
     legend = overlay.legend(ROOM, rendering)
     assert legend == [overlay.THROUGH, overlay.DIRECTLY]
     made = overlay.annotated(np.full((*SIZE[::-1], 3), 60, np.uint8), ROOM, rendering)
-    knight, ball, text = (images for _, images in ROOM.object_images)
+    knight, ball, text = (images for _, images in object_images(ROOM))
     assert [len(knight), len(ball), len(text)] == [1, 1, 1]
     picture = made[len(made) - SIZE[1] :]
     assert dots(picture, overlay.P_COLOUR) == pytest.approx(knight[0].position, abs=0.02)
@@ -91,6 +92,9 @@ def test_it_is_said_what_has_no_image():
     assert said(hidden, caption="short", overlay=True) == [texts]
     assert said(hidden, overlay=True) == [texts[-1:]] and said(hidden, caption="short") == [texts[:-1]]
     assert said(ROOM, overlay=True) == [[]]
+    many = Room([Sphere(name=f"ball{n}", z=-20 - n, radius=0.3) for n in range(9)])
+    names = [f"middle of ball{n}" for n in range(3)]
+    assert said(many, overlay=True) == [[f"not seen: {', '.join(names)}, 6 others"]]
 
 
 @pytest.mark.parametrize(
@@ -130,7 +134,7 @@ def test_a_plan_is_to_scale_and_a_movie_keeps_its_scale():
 
 def test_light_in_a_plan_takes_the_traced_paths():
     (image,) = ROOM.images(KNIGHT.pose.place)
-    (ray,) = plan._followed(ROOM.paths.walk(ROOM.camera.through(np.array([image.position]))), 4)
+    (ray,) = plan._followed(paths(ROOM).walk(ROOM.camera.through(np.array([image.position]))), 4)
     np.testing.assert_allclose(ray[:2], image.corners[:2], atol=1e-12)
     way = ray[2] - ray[1]
     assert np.linalg.norm(way) == pytest.approx(4)
@@ -145,3 +149,12 @@ def test_scenes_of_several_kinds_have_plans_and_others_side_views():
     assert (strips[1] == plan.SHEET).all(-1).any() and (strips[0] == plan.SHEET).all(-1).any()
     far = Room([LEFT, Sphere(z=1000)])
     assert side.extent([far]).last < 3 and side.side_view(far, *SIZE).shape[1] == SIZE[0]
+
+
+def test_the_eyes_of_a_pair_have_their_own_marks_and_plans():
+    shows, strips = side.extent([ROOM], 0.5), []
+    for eye in (ROOM.seen_aside(-0.5), ROOM.seen_aside(0.5)):
+        strips.append(side.side_view(eye, *SIZE, shows))
+        assert [len(images) for _, images in object_images(eye)] == [1, 1, 1]
+    assert strips[0].shape == strips[1].shape and (strips[0] != strips[1]).any()
+    assert ROOM.replace() == ROOM  # with all that is kept for them
