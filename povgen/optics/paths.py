@@ -236,8 +236,7 @@ def _closest(off: Floats, net: Complexes) -> tuple[Indices, Complexes]:
             row[abs(net - net[best]) <= apart] = np.inf
             if not np.isfinite(row).any():
                 break
-    target, position = zip(*found, strict=True)
-    return np.array(target), np.array(position)
+    return np.array([n for n, _ in found], int), np.array([position for _, position in found], complex)
 
 
 def _both_ways(matrix: Floats | None) -> tuple[Floats, Floats] | None:

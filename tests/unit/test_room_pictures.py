@@ -92,6 +92,7 @@ def test_it_is_said_what_has_no_image():
     assert said(hidden, caption="short", overlay=True) == [texts]
     assert said(hidden, overlay=True) == [texts[-1:]] and said(hidden, caption="short") == [texts[:-1]]
     assert said(ROOM, overlay=True) == [[]]
+    assert said(Room([LEFT, Floor(y=-2)]), overlay=True) == said(Room(), overlay=True) == [[]]
     many = Room([Sphere(name=f"ball{n}", z=-20 - n, radius=0.3) for n in range(9)])
     names = [f"middle of ball{n}" for n in range(3)]
     assert said(many, overlay=True) == [[f"not seen: {', '.join(names)}, 6 others"]]
