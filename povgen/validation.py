@@ -204,9 +204,9 @@ def _message(model: type[BaseModel], values: Mapping[str, object], fault: ErrorD
     about = model.model_fields[name].description
     if name not in values:
         return f"{name}: missing ({about})"
-    if isinstance(fault.get("ctx", {}).get("error"), InputError):  # of a model in the model: it says what is allowed
-        return f"{name} = {shown(values[name])}: {message}"
     several = any(isinstance(part, int) for part in fault["loc"][1:]) and fault["input"] is not values[name]
+    if isinstance(fault.get("ctx", {}).get("error"), InputError):  # of a model in the model: it says what is allowed
+        return f"{name} = {shown(fault['input'] if several else values[name])}: {message}"
     if several and fault["type"] != "missing" and not isinstance(fault["input"], dict):
         message = f"{shown(fault['input'])} {message}"  # which of the values
     return f"{name} = {shown(values[name])}: {message} ({about})"

@@ -64,6 +64,22 @@ parameter = "alpha"
 start = 5
 stop = 9
 """
+ROOM = """\
+title = "A room"
+frames = 2
+[eye]
+z = -8
+[[window]]
+name = "a"
+[[object]]
+kind = "sphere"
+name = "b"
+z = 5
+[[sweep]]
+parameter = "a.pitch"
+start = 5
+stop = 9
+"""
 
 
 def recorded():
@@ -103,6 +119,7 @@ def new_folder():
     for name in ("folder", "folder.mp4"):
         (WORK / name).mkdir()
     (WORK / "spec.toml").write_text(SPEC)
+    (WORK / "room.toml").write_text(ROOM)
     for name, data in RECORDED.items():
         (WORK / name).write_bytes(data)
     for name in ("kept.png", "kept.mp4", "kept.pov", "movie.mp4", "frame.png"):
@@ -125,6 +142,7 @@ def place(tmp_path_factory):
     """A deep folder, so that .. stays in it, and fast replacements of slow parts."""
     global ROOT, WORK
     from povgen.cli.commands import check
+    from povgen.liveview import view
     from povgen.measure import charts, speed, stability, stability_map, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.page import page
@@ -149,7 +167,8 @@ def place(tmp_path_factory):
         patch.setenv("POVGEN_CACHE", str(ROOT / "cache"))
         patch.setattr(spec, "MOVIES", movies)
         patch.setattr(page, "MOVIES", ("vary-z1",))
-        patch.setattr(page, "volumes", lambda pieces, **options: {})
+        for module in (page, view):
+            patch.setattr(module, "volumes", lambda pieces, **options: {})
         patch.setattr(povray.Runner, "run", staticmethod(rendered))
         patch.setattr(gl_runner.Runner, "run", staticmethod(rendered))
         patch.setattr(gl_runner, "device", lambda: "a device")
@@ -215,7 +234,7 @@ def tried(line, stdin=b""):
         assert not changed, changed
         assert not out
     elif changed:
-        asked = [WORK / name for name in ("frame.png", "movie.mp4", "demo.html", "stability", "chart", "figures")]
+        asked = [WORK / name for name in ("frame.png", "movie.mp4", "demo.html", "live.html", "stability", "chart", "figures")]
         asked += [ROOT / "cache", *(WORK / f"{Path(word).stem}.mp4" for word in line if line[0] == "movie")]
         asked += [Path(os.path.normpath(WORK / word.partition("=")[2])) for word in line if "=" in word]
         asked += [Path(os.path.normpath(WORK / word)) for word in line[1:]]

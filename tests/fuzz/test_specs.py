@@ -7,7 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fuzz.conftest import SPEC, cases, tried_spec
-from fuzz.values import CHARACTERS, LONG, SDL, TEXTS, right
+from fuzz.values import CHARACTERS, LONG, SDL, SOME, TEXTS, right
 from povgen import MovieSpec
 from povgen.scene.scenes import SCENES
 from povgen.scene.spec import Sweep
@@ -54,6 +54,7 @@ def entries(draw, table, name):
     if name in model.model_fields and name not in ("fixed", "sweep") and draw(st.integers(0, 3)) == 0:
         field = model.model_fields[name]
         values = st.integers(2, 5) if name == "frames" else right(field.annotation, field.metadata)
+        values = SOME[name] if name in ("object", "window", "eye") else values
         return name, draw(values.map(literal))
     value = draw(WRONG)
     assume(name != "frames" or not LONG.fullmatch(value))

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from povgen.cli import app
 from povgen.inputs.pieces import PIECES
+from povgen.objects import OBJECTS
 from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
@@ -98,11 +99,11 @@ CHARACTERS = st.characters(exclude_categories=["Cs"], exclude_characters="\0")  
 TEXTS = st.sampled_from(NUMBERS) | st.sampled_from(WORDS) | st.sampled_from(SDL) | st.text(CHARACTERS)
 TEXTS |= st.floats().map(repr) | st.integers().map(str) | st.sampled_from(ELSEWHERE)
 SOME = {  # right values for what is no field of a model
-    "scene": st.sampled_from([*SCENES]),
-    "sweep": st.sampled_from(["alpha=5:9", "z1=1:2:log", "eye=-1,0:1,0", "prisms=50:60", "gap=0.01:0.02"]),
+    "scene": st.sampled_from([*SCENES, "room.toml"]),
+    "sweep": st.sampled_from(["alpha=5:9", "z1=1:2:log", "eye=-1,0:1,0", "prisms=50:60", "eye.x=1:2", "b.z=9:10"]),
     "frames": st.integers(2, 5).map(str),
     "frame_rate": st.floats(0.1, 120).map(repr),
-    "spec": st.sampled_from(["spec.toml", "chess", "vary-alpha", "spheres", "-"]),
+    "spec": st.sampled_from(["spec.toml", "chess", "vary-alpha", "spheres", "-", "room", "room.toml"]),
     "what": st.sampled_from(["info", "clear"]),
     "numbers": st.sampled_from("123456"),
     "workers": st.integers(1, 256).map(str),
@@ -119,7 +120,9 @@ SOME = {  # right values for what is no field of a model
     "size": st.sampled_from(["32x32", "64x48", "48x64"]),
     "quality": st.sampled_from(["draft", "standard"]),
     "sheet": st.sampled_from(["none", "ideal", "single", "detailed", "auto", *OTHER]),
-    "window": st.sampled_from(["alpha=120,z=2", "alpha=-50,z=0.9,sheet=detailed", "z=4,alpha=3,sheet=ideal"]),
+    "window": st.sampled_from(["alpha=120,z=2", "alpha=-50,z=0.9,sheet=detailed", "z=4,yaw=30,name=a", "x=4,pitch=9"]),
+    "object": st.sampled_from([*(f"kind={kind},z=9,y=-5,name=b" for kind in OBJECTS), "kind=text,text=a,x=7,roll=30"]),
+    "eye": st.sampled_from(["0.5,-0.3", "x=1,z=-9,view=4", "y=8,look_y=1,roll=-30,aside=0.1"]),
 }
 
 

@@ -182,7 +182,7 @@ def test_the_wrong_kind_of_file(made, tmp_path):
         (["movie", "--from", "a.gif", "--frames", "4"], "frames = '4': not with --from"),
         (["movie", "--from", "a.mp4"], "output = 'a.mp4': povgen reads this file"),
         (["frame", "chess", "--from", "a.png"], "scene = 'chess': not with --from, which shows the file's scene; "),
-        (["frame"], "scene: missing; allowed: chess or spheres, or else --from FILE"),
+        (["frame"], "scene: missing; allowed: chess, spheres, room, or the TOML file of a room, or else --from FILE"),
         (["movie"], "spec: missing; allowed: "),
     ):
         assert words in refused(arguments, made)
