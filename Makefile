@@ -118,7 +118,10 @@ docs/seminar.ipynb: docs/seminar.md docs/notebook.py | $(VENV)/test-ready  ## th
 ray-pictures: $(VENV)/charts-ready $(VENV)/gl-ready gl-deps  ## the pictures of docs/rays.md, by the code on that page
 	$(VENV)/bin/python docs/pictures.py docs/rays.md -o docs/rays
 
-docs/kinds.md: $(SOURCES) docs/kinds.py | $(READY)  ## a table of the kinds of sheets
+docs/rooms/room.png: docs/rooms.md $(SOURCES) | $(READY)  ## the picture of the room on that page
+	sed -n "/^cat > room.toml/,/^END/{//!p}" $< | $(POVGEN) frame - --size 640x480 -o $@
+
+docs/kinds.md docs/objects.md: $(SOURCES) docs/kinds.py | $(READY)  ## tables of the kinds of sheets and of objects
 	$(VENV)/bin/python docs/kinds.py
 
 povgen/rendering/volumes.xz: templates/pieces/* templates/probes/crossings.pov.j2 | $(READY)  ## the shapes of povgen's own pieces, for the live view

@@ -1,12 +1,18 @@
-"""Write docs/kinds.md, a table of the kinds of sheets, from povgen/sheets/: `python docs/kinds.py`."""
+"""Write docs/kinds.md and docs/objects.md, tables of the kinds of sheets and of objects: `python docs/kinds.py`."""
 
 from pathlib import Path
 
-from povgen.sheets import SHEETS
+from povgen.objects import OBJECTS
+from povgen.objects.placed import Placed
+from povgen.objects.window import Window
+from povgen.scene.room import Eye
+from povgen.sheets import PARAMETERS, SHEETS
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.sheet import Ideal
+from povgen.validation import Model
 
 PAGE = Path(__file__).with_name("kinds.md")
+OBJECTS_PAGE = Path(__file__).with_name("objects.md")
 HEAD = """# The kinds of sheets
 
 `make docs/kinds.md` writes this page from `povgen/sheets/`. [Beyond the paper](beyond.md#other-ideal-sheets) explains
@@ -31,5 +37,30 @@ def page() -> str:
     return HEAD + "\n".join(rows) + "\n"
 
 
+OBJECTS_HEAD = """# The objects of a room
+
+`make docs/objects.md` writes this page from `povgen/objects/`. [A room of your own](rooms.md) says how to use them.
+"""
+
+
+def objects_page() -> str:
+    """Return the text of the page about objects."""
+    parts: dict[str, type[Model]] = {"The eye, `[eye]`": Eye, "Every object and window": Placed}
+    parts |= {"A window, `[[window]]`": Window}
+    parts |= {f'A {kind.title}, `kind = "{name}"`': kind for name, kind in OBJECTS.items()}
+    text = OBJECTS_HEAD
+    for title, part in parts.items():
+        text += f"\n## {title}\n\n| parameter | it is | default |\n|---|---|---|\n"
+        shared = {} if part in (Eye, Placed) else {**Placed.model_fields, **PARAMETERS}
+        for name, field in part.model_fields.items():
+            if name not in shared:
+                default = "" if field.is_required() or field.default in (None, "") else f"`{field.default}`"
+                text += f"| `{name}` | {field.description} | {default} |\n"
+        if part is Window:
+            text += "\nAnd the parameters of [its sheet](kinds.md).\n"
+    return text
+
+
 if __name__ == "__main__":
     PAGE.write_text(page(), "utf-8")
+    OBJECTS_PAGE.write_text(objects_page(), "utf-8")

@@ -29,6 +29,7 @@ CONTENTS = {
     "Begin": [
         "docs/install",
         "docs/usage",
+        "docs/rooms",
         "docs/examples",
         "docs/rays",
         "docs/gallery",
@@ -43,6 +44,7 @@ CONTENTS = {
         "docs/tolerances",
         "docs/lenticulars",
         "docs/kinds",
+        "docs/objects",
         "docs/figures/README",
         "docs/errata",
     ],

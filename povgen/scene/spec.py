@@ -281,6 +281,8 @@ class MovieSpec(Model):
         kept = {name: value for name, value in self.fixed.items() if name not in dropped}
         spec = self.replace(fixed={**kept, **values})
         scene = spec.scenes("standard")[0]
+        if scene.parts:  # the first frame's have swept numbers
+            scene = type(scene)(**spec.fixed)
         return spec.replace(fixed={name: getattr(scene, name) for name in spec.fixed})
 
     def scenes(self, quality: str) -> list[Scene]:

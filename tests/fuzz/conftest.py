@@ -234,7 +234,10 @@ def tried(line, stdin=b""):
         assert not changed, changed
         assert not out
     elif changed:
-        asked = [WORK / name for name in ("frame.png", "movie.mp4", "demo.html", "live.html", "stability", "chart", "figures")]
+        asked = [
+            WORK / name
+            for name in ("frame.png", "movie.mp4", "demo.html", "live.html", "stability", "chart", "figures")
+        ]
         asked += [ROOT / "cache", *(WORK / f"{Path(word).stem}.mp4" for word in line if line[0] == "movie")]
         asked += [Path(os.path.normpath(WORK / word.partition("=")[2])) for word in line if "=" in word]
         asked += [Path(os.path.normpath(WORK / word)) for word in line[1:]]

@@ -17,7 +17,7 @@ import pytest
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
-from povgen import Chess, MovieSpec
+from povgen import Chess, MovieSpec, Room
 from povgen.cli.app import COMMANDS
 
 PAGES = [
@@ -252,8 +252,21 @@ def test_the_table_of_parallaxes():
         assert [float(text) for text in re.split(r"[|,]", row)] == pytest.approx(places, abs=6e-4)
 
 
-def test_the_table_of_the_kinds_of_sheets():
-    """docs/kinds.md is what docs/kinds.py writes."""
+def test_the_room_of_the_page():
+    """In TOML, in Python and in the picture it is the same."""
+    page = PROJECT / "docs" / "rooms.md"
+    shell, python = (next(block for kind, block in blocks(page) if kind == name) for name in ("bash", "python"))
+    (text,) = re.findall(r"(?s)<<'END'\n(.*?)^END$", shell, re.M)
+    spec = MovieSpec.parse(text, page.name)
+    names = {}
+    exec(python.partition("assert")[0], names)
+    assert names["room"] == Room(**spec.fixed) == Room.from_file(PROJECT / "docs/rooms/room.png")
+    assert {scene.with_numbers({"right.pitch": 40}) for scene in spec.scenes("draft")} == {names["room"]}
+
+
+def test_the_tables_of_the_kinds_of_sheets_and_objects():
+    """docs/kinds.md and docs/objects.md are what docs/kinds.py writes."""
     import kinds
 
     assert kinds.PAGE.read_text("utf-8") == kinds.page()
+    assert kinds.OBJECTS_PAGE.read_text("utf-8") == kinds.objects_page()
