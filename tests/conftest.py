@@ -318,7 +318,12 @@ def browser():
 
 # The modules of the page whose exports are global names in Node.
 EXPORTED = "apparent equations text address state moment questions qr rays trace"
-MODULES = ["liveview/geometry.js", "liveview/sheets.js", *(f"page/{name}.js" for name in EXPORTED.split())]
+MODULES = [
+    "liveview/geometry.js",
+    "liveview/sheets.js",
+    "liveview/presets.js",
+    *(f"page/{name}.js" for name in EXPORTED.split()),
+]
 
 
 class Node:

@@ -14,7 +14,7 @@ const { value: script } = await lines.next();
 globalThis.window = globalThis;
 (0, eval)(JSON.parse(script));
 const { povgen } = globalThis;
-const pages = Object.keys(povgen).filter((name) => !["geometry", "sheets"].includes(name));
+const pages = Object.keys(povgen).filter((name) => !["geometry", "sheets", "presets"].includes(name));
 Object.assign(globalThis, povgen, ...pages.map((name) => povgen[name]));
 for await (const line of lines) {
   const { script, argument } = JSON.parse(line);

@@ -30,8 +30,9 @@ export class Context {
   makePicture(part) {
     const { gl } = this, image = this.shapes.images[part];
     gl.deleteTexture(this.textures[part] ?? null);
-    gl.activeTexture(part === "sky" ? gl.TEXTURE2 : gl.TEXTURE3);
-    this.textures[part] = this.texture(gl.TEXTURE_2D, gl.SRGB8_ALPHA8, [image.width, image.height], gl.LINEAR, [gl.REPEAT, part === "sky" ? gl.CLAMP_TO_EDGE : gl.REPEAT]);
+    const { unit, wraps } = { sky: { unit: 2, wraps: [gl.REPEAT, gl.CLAMP_TO_EDGE] }, floor: { unit: 3, wraps: [gl.REPEAT, gl.REPEAT] }, cards: { unit: 4, wraps: [gl.CLAMP_TO_EDGE, gl.CLAMP_TO_EDGE] } }[part];
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    this.textures[part] = this.texture(gl.TEXTURE_2D, gl.SRGB8_ALPHA8, [image.width, image.height], gl.LINEAR, wraps);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, image);
     gl.activeTexture(gl.TEXTURE0);
   }
@@ -79,7 +80,7 @@ export class Context {
     const { gl } = this;
     const precision = ["float", "int", "sampler2D", "sampler3D"].map((type) => `precision highp ${type};\n`).join("");
     const head = `#version 300 es\n${precision}${kinds}`;
-    const parts = name === "display" ? ["display"] : ["objects", "prisms", "materials", "laws", "view", name];
+    const parts = name === "display" ? ["display"] : ["windows", "materials", "objects", "prisms", "laws", "view", name];
     const texts = {
       [gl.VERTEX_SHADER]: `#version 300 es
         void main() { gl_Position = vec4(4 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID & 2) - 1, 0, 1); }`,
@@ -131,7 +132,9 @@ export class Context {
     };
     const values = { ...(name === "display" ? {} : uniforms(this.scene, this.shapes)), ...others };
     for (const [key, { place, type }] of Object.entries(this.uniforms(made))) {
-      gl[setters[type]](place, [values[key]].flat(2).map(Number));
+      const numbers = [values[key]].flat(Infinity).map(Number);
+      if (type === gl.FLOAT_MAT3) gl.uniformMatrix3fv(place, false, numbers);
+      else gl[setters[type]](place, numbers);
     }
   }
 

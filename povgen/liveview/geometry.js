@@ -1,11 +1,11 @@
-// What follows from a scene's values, as in povgen/optics/prism.py and povgen/scene/scenes.py. Lengths are in tiles,
+// The shapes of prisms and lenses in a window, as in povgen/optics/prism.py and povgen/optics/profile.py. Lengths are in tiles,
 // angles in degrees.
 
-import { hasPrisms, windows } from "./sheets.js";
+import { hasPrisms } from "./sheets.js";
 
 export const radians = (degrees) => degrees * (Math.PI / 180);
 
-// The shape of the prisms with these values of a scene or a window: povgen/optics/prism.py.
+// The shape of the prisms with these values of a window: povgen/optics/prism.py.
 export function prism(values) {
   const { aperture, prisms, index, design_index = index, base_angle, gap } = values;
   const pitch = aperture / prisms;
@@ -72,54 +72,5 @@ export function sheets(window) {
   return [{ angle: radians(window.values.alpha) / 2, centre: -aside, length }, { angle: 0, centre: aside, length }];
 }
 
-// Extent of a window frame along z.
-export function depth(scene) {
-  const thickness = windows(scene).filter(hasPrisms).map((window) => {
-    const { length, separation } = shape(window);
-    return isSingle(window) ? length : length + separation;
-  });
-  return Math.max(scene.aperture / 10, ...thickness.map((extent) => 1.02 * extent));
-}
-
-// z of the last window, from which the objects' z1 counts.
-const lastZ = (scene) => windows(scene).at(-1).z;
-
-export const floorY = (scene) => -(scene.aperture / 2 + scene.rim);
-
-// Lists with a value for each object, from lists of which some have one value for all.
-function listed(lists) {
-  const count = Math.max(...lists.map((list) => list.length));
-  return lists.map((list) => (list.length === 1 ? Array(count).fill(list[0]) : list));
-}
-
-// The pieces: name of the distance field, centre of the foot, colour (sRGB, 0 to 1), half the pedestal's width.
-export function pieces(scene) {
-  if (scene.name !== "chess") return [];
-  const [piece, x, z1, color] = listed([scene.piece, scene.x, scene.z1, scene.color].map((values) => [values].flat()));
-  const y = floorY(scene) + scene.pedestal;
-  return piece.map((name, k) => ({ name, foot: [x[k], y, lastZ(scene) + z1[k]], color: color[k], half: scene.pedestal_halves[name] }));
-}
-
-const radius = (z1, z2) => Math.min(0.085 * (z1 / z2) ** 0.1 * (1 + z1 / z2), z1 / 6);
-
-// POV-Ray's units per tile. povgen/limits.py
-export function tile(scene) {
-  return Math.max(1000, ...windows(scene).filter(hasPrisms).map((window) => Math.round(1.2 / shape(window).pitch)));
-}
-
-export const horizon = (scene) => 1e7 / tile(scene);  // POV-Ray does not show what is farther away
-
-// z1 of every sphere: if none is given, 2^n z2.
-export function distances(scene) {
-  if (scene.z1) return [scene.z1].flat();
-  const most = 5e6 / tile(scene) - lastZ(scene), back = depth(scene) / 2;
-  let nearest = back;
-  for (let n = 0; n < 30; n++) nearest = back + radius(nearest, scene.z2);
-  return Array.from({ length: 11 }, (_, n) => 2 ** (n - 5) * scene.z2).filter((z1) => z1 > nearest && z1 <= most);
-}
-
-export function spheres(scene) {
-  if (scene.name !== "spheres") return [];
-  return distances(scene).map((z1) => ({ centre: [...scene.line, lastZ(scene) + z1], radius: radius(z1, scene.z2) }));
-}
-
+// Extent of a window's sheets along z.
+export const thickness = (window) => sheets(window).reduce((extent, { centre, length }) => Math.max(extent, 2 * centre + length), 0);

@@ -8,37 +8,22 @@ export const CONSTANTS = Math.max(1, ...KINDS.map((name) => LAWS[name].count));
 
 const radians = (degrees) => degrees * (Math.PI / 180);
 
-/** The windows, the nearest to the eye first: the kind of their sheets, z, and the values of all parameters.
- * What a window does not state is that of the first one.
- * @returns {any[]} */
-export function windows(scene) {
-  const further = scene.window.map((window) => {
-    const given = Object.fromEntries(Object.entries(window).filter(([, value]) => value !== null));
-    return { ...scene, ...given };
-  });
-  return [{ ...scene, z: 0 }, ...further].map((values) => ({ sheet: values.sheet, z: values.z, values }));
-}
-
 // Whether a window's sheets consist of prisms, or of lenses.
 export const hasPrisms = ({ sheet }) => ["detailed", "single", "lenticular", "profile"].includes(sheet);
 
-// The windows in front of all prisms, if one of them has a sheet. Ideal sheets come first.
-export function idealWindows(scene) {
-  const found = windows(scene).filter((window) => !hasPrisms(window));
-  return found.every(({ sheet }) => sheet === "none") ? [] : found;
-}
+// The number of a window's law: `bent` in laws.glsl. -1: prisms or lenses; -2: no sheet.
+export const kind = (window) => (hasPrisms(window) ? -1 : window.sheet === "none" ? -2 : KINDS.indexOf(lawOf(window)));
 
-// The number of a window's law: `bent` in laws.glsl. Prisms have none.
-export function kind(window) {
-  if (hasPrisms(window)) return -1;
-  const number = KINDS.indexOf(window.sheet === "law" ? `law ${window.values.law}` : window.sheet);
-  if (number < 0) throw new Error(`sheet = ${window.sheet}: unknown`);
-  return number;
+// The name of a window's law.
+function lawOf({ sheet, values }) {
+  const name = sheet === "law" ? `law ${values.law}` : sheet;
+  if (!LAWS[name]) throw new Error(`sheet = ${sheet}: unknown`);
+  return name;
 }
 
 // What depends on the parameters of a window's law alone.
 export function constants(window) {
-  const law = LAWS[KINDS[kind(window)]];
+  const law = LAWS[lawOf(window)];
   const numbers = { ...window.values.parameter };
   for (const [name, [parameter, unit, component]] of Object.entries(law.numbers)) {
     const value = window.values[parameter];
@@ -49,7 +34,7 @@ export function constants(window) {
 
 // A map from the slope of an eye's ray that meets an ideal sheet, and the place, to the slope behind it; null if no light passes.
 export function bending(window) {
-  const { bend } = LAWS[KINDS[kind(window)]], c = constants(window);
+  const { bend } = LAWS[lawOf(window)], c = constants(window);
   return ([sx, sy], [X, Y]) => {
     const length = Math.hypot(sx, sy, 1);
     const [x, y, z] = bend(sx / length, sy / length, 1 / length, X, Y, c);

@@ -1,82 +1,114 @@
-// What the shaders are given for a scene. Lengths are in tiles, angles in degrees.
+// What the shaders are given for a scene, as in povgen/scene/shader.py. Lengths are in tiles, angles in degrees.
 
 import * as geometry from "./geometry.js";
-import { CONSTANTS, constants, hasPrisms, idealWindows, kind, windows } from "./sheets.js";
+import { OBJECTS } from "./laws.js";
+import { camera, floorY, horizon, isTurned, objects, openings } from "./presets.js";
+import { CONSTANTS, constants, hasPrisms, kind } from "./sheets.js";
 
 const BACKGROUNDS = { sky: 0, black: 1, white: 2, transparent: 3 };
+const AT_ONCE = 4;  // scenes whose numbers of objects have the same multiple of it above them use the same shader
+// of a window that has no Dove prisms
+const NO_PRISMS = { aperture: 1, prisms: 1, index: 1.5, base_angle: 45, gap: 0.01, aspect: 1 };
+const NO_SHAPE = { ...geometry.prism(NO_PRISMS), edges: [] };
+
+const mostObjects = (things) => Math.ceil(things.length / AT_ONCE) * AT_ONCE;
+const shapeOf = (window) => (hasPrisms(window) ? geometry.shape(window) : NO_SHAPE);
+// The greatest number of edges of a window's profile; 0: all are Dove prisms.
+const edgeCount = (shapes) => Math.max(...shapes.map(({ edges }) => edges.length));
 
 // What the shaders are compiled for.
 export function defines(scene, { names, grid }) {
+  const all = openings(scene), things = objects(scene, names), edges = edgeCount(all.map(shapeOf));
+  const { cards, ...surroundings } = scene.pictures;
   /** @type {Record<string, any>} */
   const kinds = {
-    WINDOWS: scene.window.length + 1,
+    WINDOWS: all.length,
     CONSTANTS,
-    PIECES: geometry.pieces(scene).length,
-    SPHERES: scene.name === "spheres" ? Math.max(11, geometry.spheres(scene).length) : 0,
+    OBJECTS: mostObjects(things),
     VOLUMES: names.length,
     GRID: grid.join(", "),
-    ...Object.fromEntries(Object.keys(scene.pictures).map((part) => [`${part.toUpperCase()}_PICTURE`, 1])),
+    ...Object.fromEntries(things.map((thing) => [`HAS_${thing.kind.toUpperCase()}`, 1])),
+    ...(edges && { PROFILE_EDGES: edges }),
+    ...(cards && { CARDS: cards.places.length }),
+    ...(all.some(isTurned) && { TURNED_WINDOWS: 1 }),
+    ...(things.some(isTurned) && { TURNED_OBJECTS: 1 }),
+    ...Object.fromEntries(Object.keys(surroundings).map((part) => [`${part.toUpperCase()}_PICTURE`, 1])),
   };
-  const edges = edgeCount(scene);
-  if (edges) kinds.PROFILE_EDGES = edges;
   return Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
 }
 
-// The greatest number of edges of a window's profile; 0: all are Dove prisms.
-const edgeCount = (scene) => Math.max(...windows(scene).map((window) => geometry.shape(window).edges.length));
-
-const padded = (list, length) => [...list, ...Array(length - list.length).fill(0)];
+/** @type {(list: any[], length: number, rest?: any) => any[]} */
+const padded = (list, length, rest = 0) => [...list, ...Array(length - list.length).fill(rest)];
 
 // The shaders' uniforms, for a scene with these pieces: `names` of their distance fields, and `places`.
 export function uniforms(scene, { names, places }) {
-  const all = windows(scene), spheres = geometry.spheres(scene), pieces = geometry.pieces(scene);
-  const prisms = all.map(({ values }) => geometry.prism(values));
-  const shapes = all.map(geometry.shape), edges = edgeCount(scene);
-  const everyEdge = shapes.flatMap((shape) => padded(shape.edges, edges).map((edge) => edge || [0, 0, 0, 0, 0]));
-  const sheets = all.map(geometry.sheets);
-  const turned = (angle) => [Math.cos(angle), Math.sin(angle)];
-  const most = Math.max(11, spheres.length);
+  const { eye, middle, right, up, height } = camera(scene), ground = floorY(scene), { cards, floor } = scene.pictures;
   return {
-    simulated: idealWindows(scene).length,
-    kind: all.map(kind),
-    constants: all.flatMap((window) => padded(hasPrisms(window) ? [] : constants(window), CONSTANTS)),
-    eye: [...scene.eye, -scene.z2],
-    viewHeight: scene.view,
+    eye,
+    viewMiddle: middle,
+    viewRight: right,
+    viewUp: up,
+    viewHeight: height,
     background: BACKGROUNDS[scene.background],
-    window: scene.aperture,
-    windowZ: all.map(({ z }) => z),
-    frameDepth: geometry.depth(scene),
     frameRim: scene.rim,
-    hasFloor: scene.name === "chess" && scene.floor !== "none",
+    hasFloor: ground !== null,
     skyPicture: 2,
     floorPicture: 3,
-    floorTiles: scene.pictures.floor?.tiles ?? [1, 1],
-    floorMean: scene.pictures.floor?.mean ?? [0, 0, 0],
-    floorY: geometry.floorY(scene),
-    horizon: geometry.horizon(scene),
+    cardPictures: 4,
+    cardPlace: cards?.places ?? [],
+    floorTiles: floor?.tiles ?? [1, 1],
+    floorMean: floor?.mean ?? [0, 0, 0],
+    floorY: ground ?? 0,
+    horizon: horizon(scene),
+    maxFaces: scene.faces,
+    volumes: 1,
+    volumePlace: places,
+    ...objectUniforms(objects(scene, names)),
+    ...windowUniforms(openings(scene)),
+  };
+}
+
+function objectUniforms(things) {
+  const each = (of, rest) => padded(things.map(of), mostObjects(things), rest);
+  return {
+    objectCount: things.length,
+    objectKind: each(({ kind }) => OBJECTS.indexOf(kind), 0),
+    objectPlace: each(({ place }) => place, [0, 0, 0]),
+    objectAxes: each(({ axes }) => axes, Array(3).fill([0, 0, 0])),
+    objectNumbers: each(({ numbers }) => numbers, [0, 0, 0, 0]),
+    objectColour: each(({ colour }) => colour, [0, 0, 0]),
+  };
+}
+
+// Those of windows and sheets. A window has two sheets of glass; a missing one has zeros.
+function windowUniforms(all) {
+  const shapes = all.map(shapeOf), most = edgeCount(shapes);
+  const prisms = all.map((window, k) => (hasPrisms(window) && !shapes[k].edges.length ? window.values : NO_PRISMS));
+  const dove = prisms.map(geometry.prism), sheets = all.map(geometry.sheets);
+  const everyEdge = shapes.flatMap(({ edges }) => padded(edges, most, [0, 0, 0, 0, 0]));
+  const turned = (angle) => [Math.cos(angle), Math.sin(angle)];
+  return {
+    kind: all.map(kind),
+    constants: all.flatMap((window) => padded(hasPrisms(window) ? [] : constants(window), CONSTANTS)),
+    windowPlace: all.map(({ place }) => place),
+    windowAxes: all.map(({ axes }) => axes),
+    windowHalf: all.map(({ half }) => half),
+    windowRound: all.map(({ round }) => round),
+    windowDepth: all.map(({ depth }) => depth),
+    windowFramed: all.map(({ framed }) => framed),
     sheetCounts: sheets.map((pair) => pair.length),
     sheetTurns: sheets.flatMap((pair) => [0, 1].map((k) => turned(pair[k]?.angle ?? 0))),
     sheetAxes: sheets.flatMap(() => [1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1]),  // povgen refuses errors of building
     sheetCentres: sheets.flatMap((pair) => [0, 1].map((k) => pair[k]?.centre ?? 0)),
     pitches: shapes.map(({ pitch }) => pitch),
-    firstBases: all.map(({ values }, k) => (shapes[k].edges.length ? -values.aperture / shapes[k].pitch : values.gap - values.prisms) / 2),
-    prismHeights: prisms.map(({ height, pitch }) => height / pitch),
+    firstBases: all.map(({ values }, k) => ((shapes[k].edges.length ? 0 : prisms[k].gap) - values.aperture / shapes[k].pitch) / 2),
+    prismHeights: dove.map(({ height, pitch }) => height / pitch),
     prismHalves: shapes.map(({ length, pitch }) => length / pitch / 2),
-    slants: all.flatMap(({ values }) => Array(2).fill(turned(geometry.radians(values.base_angle)))),
+    slants: prisms.flatMap(({ base_angle }) => Array(2).fill(turned(geometry.radians(base_angle)))),
     glassIndices: shapes.flatMap(({ index }) => [index, index]),
-    blackTops: all.map((window, k) => hasPrisms(window) && !shapes[k].edges.length && window.values.tops === "black"),
-    maxFaces: scene.faces,
-    volumes: 1,
-    pieceFoot: pieces.map((piece) => piece.foot),
-    pedestal: scene.pedestal ?? 0,
-    pedestalHalf: pieces.map((piece) => piece.half),
-    pieceColour: pieces.map((piece) => piece.color),
-    pieceVolume: pieces.map((piece) => names.indexOf(piece.name)),
-    volumePlace: places,
-    sphereCount: spheres.length,
-    spheres: Array.from({ length: most }, (_, k) => (spheres[k] ? [...spheres[k].centre, spheres[k].radius] : [0, 0, 1, 0])),
-    ...(edges && {
-      profileCounts: shapes.map((shape) => shape.edges.length),
+    blackTops: prisms.map(({ tops }) => tops === "black"),
+    ...(most && {
+      profileCounts: shapes.map(({ edges }) => edges.length),
       profileEdges: everyEdge.map((edge) => edge.slice(0, 4)),
       profileRadii: everyEdge.map((edge) => edge[4]),
     }),

@@ -16,10 +16,11 @@ from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
+from povgen.scene.room import Room
 from povgen.scene.scene import Scene, checked_scene
 from povgen.scene.scenes import SCENES, input_files, pieces
 from povgen.scene.sdl import PACKAGE, to_html
-from povgen.scene.shader import surroundings
+from povgen.scene.shader import cards, surroundings
 from povgen.validation import Model
 
 MOVABLE = {"eye", "alpha"}  # what the user can move in the view (povgen/liveview/main.js)
@@ -70,7 +71,9 @@ class Live:
     def _show(self, scene: Scene) -> None:
         """Show another scene. Raises what `html` raises: then nothing has changed."""
         shown = values(scene)
-        before, known = ((type(x), pieces(x), surroundings(x), to_live([x])) for x in (self.scene, scene))
+        before, known = (
+            (type(x), [*pieces(x).items()], surroundings(x), cards(x), to_live([x])) for x in (self.scene, scene)
+        )
         page = html(scene) if before != known else None  # the page lacks a law, a piece or a picture of the new scene
         self.__dict__["scene"] = scene
         if widget := self.__dict__.get("widget"):
@@ -106,7 +109,7 @@ class Live:
         if not moved:
             return
         try:
-            self._show(self.scene.replace(**{name: moved[name] for name in MOVABLE & moved.keys()}))
+            self._show(_moved(self.scene, moved))
         except InputError:
             self.widget.scene = {}
             self.widget.scene = {**values(self.scene), "back": True}
@@ -140,11 +143,22 @@ def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
     return to_html("liveview/page", data, script("liveview/main.js", laws=laws), laws)
 
 
+def _moved(scene: Scene, moved: dict[str, Any]) -> Scene:
+    """Return the scene after what a user has moved: of a room, `alphas` are those of its windows. Raises InputError."""
+    changes = {name: moved[name] for name in MOVABLE & moved.keys()}
+    alphas = moved.get("alphas")
+    if isinstance(scene, Room) and isinstance(alphas, list) and len(alphas) == len(scene.window):
+        turned = zip(scene.window, alphas, strict=True)
+        changes = {"window": [window if x is None else window.replace(alpha=x) for window, x in turned]}
+    return scene.replace(**changes)
+
+
 def _label(scene: Scene) -> str:
     """Return what a screen reader says of the view."""
     objects = ", ".join(map(str, pieces(scene))) or scene.name
-    sheets = ", then ".join(window.sheet.title for window in scene.windows)
-    return f"{objects}, seen through: {sheets}"
+    sheets = ", then ".join(sheet.title for sheet in scene.sheets)
+    shift = "" if isinstance(scene, Room) else "; with Shift they change alpha"
+    return f"{objects}, seen through: {sheets}. Arrow keys move the eye{shift}."
 
 
 def _checked(scene: object) -> Scene:

@@ -1,7 +1,8 @@
 // Where the eye sees a point through windows with sheets of any kinds: povgen/optics/apparent.py. A ray from the eye E with the
-// slope s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in liveview/sheets.js.
+// slope s crosses the first window, a distance z2 away, at E + z2 s. The windows are those of `windows` in liveview/presets.js.
 
 import * as geometry from "../liveview/geometry.js";
+import { depth } from "../liveview/presets.js";
 import { bending, hasPrisms } from "../liveview/sheets.js";
 import { abs, conj, determinant, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 
@@ -136,7 +137,7 @@ export function crossing(L, E, z1, z2, windows, near = 0) {
 // A function that says whether the ray with the slope s from the eye passes inside the frames of all windows: their fronts, their
 // backs, and the planes of their sheets.
 function passing(windows, E, z2) {
-  const follow = following(windows, E, z2), { values } = windows[0], d = geometry.depth(values) / 2;
+  const follow = following(windows, E, z2), { values } = windows[0], d = depth(values) / 2;
   return (s) => follow(s).every(({ sheet, slope, place }, k, path) => {
     if (!sheet) return Boolean(slope);
     const behind = path[k + 1].slope;

@@ -2,7 +2,8 @@
 // points are [x, y] as the eye sees them.
 
 import * as geometry from "../liveview/geometry.js";
-import { hasPrisms, windows } from "../liveview/sheets.js";
+import { depth, distances, radius, windows } from "../liveview/presets.js";
+import { hasPrisms } from "../liveview/sheets.js";
 import { crossing, crossings, following, landing, meets, pole } from "./apparent.js";
 import { abs, arg, determinant, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 import { clamped, data, pick } from "./data.js";
@@ -20,7 +21,7 @@ const compared = (scene) => ({ ...scene, sheet: state.compare, window: [] });
 export const otherScene = ({ scene, objects, d }) => ({ ...compared(scene), z1: d ? objects.map((z1) => z1 + d) : scene.z1 });
 
 // The depth of the window's frame, on the side of the curtain where it is deeper.
-export const frameDepth = (scene) => Math.max(geometry.depth(scene), geometry.depth(compared(scene)));
+export const frameDepth = (scene) => Math.max(depth(scene), depth(compared(scene)));
 
 // The values of povgen's scene, for the live view. z1 and z2 are made large enough to keep object and eye out of the frame.
 export function sceneValues() {
@@ -28,7 +29,7 @@ export function sceneValues() {
   const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
   if (inSeries()) {
     values.window = [{ alpha: alpha2, z: d, sheet: sheet2 === "same" ? null : sheet2 }];
-    values.window[0].z = Math.max(d, geometry.depth(values) + 0.011);
+    values.window[0].z = Math.max(d, depth(values) + 0.011);
   }
   const back = frameDepth(values) / 2;
   values.z2 = Math.max(state.z2, leastZ2(back));
@@ -42,13 +43,13 @@ export function sceneValues() {
 export function moment() {
   const scene = sceneValues();
   const { z2, alpha: degrees, sheet } = scene;
-  const objects = geometry.distances(scene);
+  const objects = distances(scene);
   const z1 = objects.reduce((best, z) => (Math.abs(Math.log(z / state.z1)) < Math.abs(Math.log(best / state.z1)) ? z : best));
   const alpha = sheet === "none" ? 0 : geometry.radians(degrees);
   const r = z2 / z1;
   /** @type {any} */
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
-  now.radii = state.scene === "spheres" ? geometry.spheres(scene).map(({ radius }) => radius) : [data.feet[state.piece]];
+  now.radii = state.scene === "spheres" ? objects.map((each) => radius(each, z2)) : [data.feet[state.piece]];
   now.windows = windows(scene);
   now.lenses = sheet === "lenticular";
   now.glass = !now.lenses && now.windows.some(hasPrisms);

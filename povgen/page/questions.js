@@ -1,7 +1,7 @@
 // Questions for a class: predict, then reveal. The page's equations compute every answer.
 
 import { prism, radians } from "../liveview/geometry.js";
-import { windows } from "../liveview/sheets.js";
+import { windows } from "../liveview/presets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
 import { data } from "./data.js";
 import * as equations from "./equations.js";

@@ -1,7 +1,7 @@
 // Rays of light through all windows of the scene, as lines in space: traced through each prism (trace.js), or turned by the
 // law of an ideal sheet. Also the field of rays. Points are [x, y, z], in tiles.
 
-import * as geometry from "../liveview/geometry.js";
+import { depth } from "../liveview/presets.js";
 import { bending, hasPrisms } from "../liveview/sheets.js";
 import { closest } from "./apparent.js";
 import { finite, plus, quotient, scaled, times, turn } from "./complex.js";
@@ -23,7 +23,7 @@ export function traced(now, from, towards) {
     const beside = ray.points.length > 1 && Math.max(Math.abs(place[0]), Math.abs(place[1])) > half;
     if (beside) return { ...ray, kind: "beside" };
     if (hasPrisms(window)) {
-      const { steps, end, designed, direction, place: last } = passage(window, ray.points.at(-1), ray.direction, { frame: geometry.depth(now.scene), most: now.scene.faces });
+      const { steps, end, designed, direction, place: last } = passage(window, ray.points.at(-1), ray.direction, { frame: depth(now.scene), most: now.scene.faces });
       ray.steps.push(...steps);
       ray.points.push(...steps.map((step) => step.place), last);
       ray.direction = direction;
@@ -130,7 +130,7 @@ export function lightInWindow(now) {
   const names = ["prisms", ...Object.keys(data.parameters)];
   const key = JSON.stringify([E, z2, windows.map(({ sheet, z, values }) => [sheet, z, pick(values, ...names)])]);
   if (kept.key === key) return kept.found;
-  const count = { designed: 0, stray: 0, back: 0, lost: 0, beside: 0 }, front = z2 - geometry.depth(scene) / 2;
+  const count = { designed: 0, stray: 0, back: 0, lost: 0, beside: 0 }, front = z2 - depth(scene) / 2;
   for (let n = 0; n < SIDE ** 2; n++) {
     const [x, y] = [n % SIDE, Math.floor(n / SIDE)].map((cell, k) => ((cell + ((0.5 + n * STEPS[k]) % 1)) / SIDE - 0.5) * scene.aperture);
     count[traced(now, [...E, -z2], [x - E[0], y - E[1], front]).kind]++;

@@ -3,6 +3,7 @@
 
 import * as geometry from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
+import * as presets from "../liveview/presets.js";
 import { hasPrisms } from "../liveview/sheets.js";
 import { abs, finite, minus, plus, scaled, turn } from "./complex.js";
 import { $, clamped, data, refresh } from "./data.js";
@@ -132,7 +133,7 @@ function floor({ z1, z2, windows }, { to }, ground) {
 
 // A frame and its sheets. The frame is as deep as in the picture.
 function windowParts(now, window, view) {
-  const { scene } = now, half = scene.aperture / 2, depth = geometry.depth(scene) / 2, outer = half + scene.rim;
+  const { scene } = now, half = scene.aperture / 2, depth = presets.depth(scene) / 2, outer = half + scene.rim;
   const ring = (z) => svg("path", { class: "frame", "fill-rule": "evenodd", d: along([outer, half].map((side) => corners(side, z).map(view.to)), "Z") });
   const edges = corners(outer, window.z - depth).map((corner, n) => line("frame", view.to(corner), view.to(corners(outer, window.z + depth)[n])));
   const panes = hasPrisms(window)

@@ -1,10 +1,10 @@
 // What the page shows. Lengths are in tiles, points are [x, y] as the eye sees them.
 
-import * as geometry from "../liveview/geometry.js";
+import { frameFoot } from "../liveview/presets.js";
 import { clamped, data, pick } from "./data.js";
 import { brief, entry, isAngle, say, SETTINGS, SYMBOL } from "./language.js";
 
-export const FLOOR = geometry.floorY(data.scenes.chess);
+export const FLOOR = frameFoot(data.scenes.chess);
 export const START = {
   chess: { L: [data.scenes.chess.x, FLOOR + data.scenes.chess.pedestal], z1: data.scenes.chess.z1 },
   spheres: { L: data.scenes.spheres.line, z1: data.scenes.spheres.z2 },

@@ -1,6 +1,6 @@
 // What the page says of what is seen, in sentences.
 
-import * as geometry from "../liveview/geometry.js";
+import * as presets from "../liveview/presets.js";
 import { bending } from "../liveview/sheets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
 import { abs, arg, finite, minus, quotient } from "./complex.js";
@@ -161,7 +161,7 @@ function imageSentence({ scene, Z, z1, z2, total }) {
     return say("image.real", { place: imagePlace(W, z2, "first_window") });
   }
   const imaged = z1 + Z[1] / Math.sin(total);  // where Z is real
-  const least = geometry.depth(scene) / 2 + (scene.name === "chess" ? data.pedestals[state.piece] : 0);
+  const least = presets.depth(scene) / 2 + (scene.name === "chess" ? data.pedestals[state.piece] : 0);
   const instead = imaged > least && imaged < RANGES.z1[1] ? ` ${say("image.instead", { z1: brief(imaged) })}` : "";
   return say("image.none", { thing: thing() }) + instead;
 }

@@ -278,6 +278,10 @@ class InRow(Sphere):
     def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
         return self.radius, self.share, 0, 0
 
+    @property
+    def colour(self) -> tuple[float, float, float]:
+        return 0, 0, 0
+
 
 class Spheres(AxialScene):
     """Coloured spheres on a line perpendicular to the sheets (figure 6). L is where the line crosses z = 0."""

@@ -84,6 +84,7 @@ def _environment() -> Environment:
         parameter=_parameter,
         materials=materials,
         formula=formula,
+        objects={kind.drawn_as or kind.kind: kind.glsl for kind in OBJECTS.values() if kind.glsl},  # for shaders
         reach=FILE_RADIUS,
         top=TALLEST,
     )
@@ -311,9 +312,7 @@ def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
         parts = [main]
     else:
         parts = ["windows", "materials", "objects", "prisms", "laws", "view", main]
-    objects = {kind.drawn_as or kind.kind: kind.glsl for kind in OBJECTS.values() if kind.glsl}
-    values = {"laws": texts, "objects": objects}
-    return "\n".join(_environment().get_template(f"liveview/{part}.glsl").render(values) for part in parts)
+    return "\n".join(_environment().get_template(f"liveview/{part}.glsl").render(laws=texts) for part in parts)
 
 
 def _input(file: str) -> str:

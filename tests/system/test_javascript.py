@@ -20,6 +20,15 @@ from povgen import Chess, Spheres
 from povgen.liveview import scripts
 from povgen.liveview.languages import tables
 from povgen.liveview.values import values as live_values
+from povgen.objects.box import Box
+from povgen.objects.card import Card
+from povgen.objects.floor import Floor
+from povgen.objects.pedestal import Pedestal
+from povgen.objects.piece import Piece
+from povgen.objects.ruler import Ruler
+from povgen.objects.sphere import Sphere
+from povgen.objects.text import Text
+from povgen.objects.window import Window
 from povgen.optics import equations, ghosts, series, trace
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal, dove
@@ -27,6 +36,7 @@ from povgen.page.page import ALL_KINDS, KEPT, KINDS
 from povgen.scene import shader, warnings
 from povgen.scene.laws import to_live
 from povgen.scene.quantities import QUANTITIES
+from povgen.scene.room import Eye, Room
 from povgen.scene.scenes import pieces
 from povgen.scene.survey import survey
 from povgen.settings import Rendering
@@ -177,7 +187,7 @@ def test_positions_behind_other_sheets_are_those_of_python(page):
     assert series.visible(1.0169 + 2.1397j, 2) and abs(wanted[-1]) > 1.5
     cases.append((marks, marks.L, marks.z1, marks.radii[0]))
     given = page.evaluate(
-        "(cases) => cases.map(([scene, near, ...values]) => crossing(...values, sheets.windows(scene), near))",
+        "(cases) => cases.map(([scene, near, ...values]) => crossing(...values, presets.windows(scene), near))",
         [[scene.model_dump(), near, [L.real, L.imag], scene.eye, z1, scene.z2] for scene, L, z1, near in cases],
     )
     assert len(given) > 300 and np.isfinite(wanted).all()
@@ -270,6 +280,30 @@ def unlike(given, wanted):
     return [name for name, (a, b) in flat.items() if a.shape != b.shape or not np.allclose(a, b, 1e-12, 1e-12)]
 
 
+def rooms(path):
+    """Return rooms with every kind of object and sheet, a picture, turned windows, a tilted eye; and an empty one."""
+    sheets = [{"sheet": name, **kind.examples[0], "width": 0.9} for name, kind in SHEETS.items() if name != "law"]
+    turned = {"yaw": 20, "pitch": -30, "roll": 200}
+    return [
+        Room(),
+        Room([Floor(y=-2, file=f"{path},width=3"), Sphere(x=3), Window(width=2, frame=False)], eye=Eye(y=5, look_y=-3)),
+        Room(
+            [Window(x=3 * k, outline="round", **own, **turned) for k, own in enumerate(sheets)], eye=Eye(z=-90, roll=8)
+        ),
+        Room(
+            [
+                *(kind(x=4 * k - 9, z=9, **turned) for k, kind in enumerate((Piece, Box, Pedestal, Text, Ruler))),
+                *(Card(x=4 * k - 9, z=19, file=path) for k in range(2)),
+                Window(sheet="detailed", prisms=20, width=2, height=1, tops="black", glass="BK7", y=3),
+                Window(sheet="none", y=-3),
+            ],
+            eye=Eye(x=0.1, y=30, z=0.2, look_z=0.2, look_x=0.1, view=7),
+            background="white",
+            wavelength=500,
+        ),
+    ]
+
+
 def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
     """The uniforms and constants of povgen/liveview/values.js are those of povgen/scene/shader.py."""
     places = [[0.1, 0.2, 0.3, 0.01]] * 2
@@ -293,6 +327,7 @@ def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
             window=("z=3,sheet=lenticular,glass=N-SF11,design_wavelength=500", "z=6,sheet=lenticular,index=1.6"),
         ),
         *(Chess(**{"sheet": name, **kind.examples[0]}) for name, kind in SHEETS.items()),
+        *rooms(picture(tmp_path)),
     ]
     started = Node(None, scripts.script("liveview/values.js", laws=to_live(scenes)))
     for scene in scenes:

@@ -50,7 +50,7 @@ def test_numpy_and_javascript(scene, node, rng):
     d, place = directions(rng)
     expected = scene.sheets[0].slope((d[:, 0] + 1j * d[:, 1]) / d[:, 2], place)
     rays = [[[x / z, y / z], [at.real, at.imag]] for (x, y, z), at in zip(d.tolist(), place, strict=True)]
-    script = "([scene, rays]) => rays.map((ray) => sheets.bending(sheets.windows(scene)[0])(...ray))"
+    script = "([scene, rays]) => rays.map((ray) => sheets.bending(presets.windows(scene)[0])(...ray))"
     given = node.evaluate(script, [scene.model_dump(), rays])
     found = np.array([complex(*pair) if pair else np.nan for pair in given])
     assert np.array_equal(np.isnan(found), np.isnan(expected)) and np.isfinite(found).sum() > 10

@@ -14,6 +14,13 @@ from povgen.measure import verify_live
 from povgen.measure.browser import View, chromium
 from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions
+from povgen.objects.floor import Floor
+from povgen.objects.piece import Piece
+from povgen.objects.sphere import Sphere
+from povgen.objects.text import Text
+from povgen.objects.window import Window
+from povgen.scene.room import Eye, Room
+from povgen.scene.survey import max_trace_level
 
 pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
@@ -53,6 +60,47 @@ def test_the_view_draws_the_same_as_opengl(browser, scene):
     figures = list(verify_live.same([(view, OpenGLView(scene))], (80, 60)))
     view.page.close()
     assert len(figures) == 3 and all(figure.holds for figure in figures), figures
+
+
+ROOM = Room(
+    [
+        Window(x=-1.7, alpha=90),
+        Window(x=1.7, yaw=25, alpha=60, sheet="detailed", prisms=40, outline="round", frame=False, name="tilted"),
+        Piece(x=-1.7, y=-1, z=2),
+        Sphere(x=1.7, z=2),
+        Text(text="povgen", y=2.1, z=-1, pitch=20),
+        Floor(y=-2),
+    ],
+    eye=Eye(x=1, z=-9, view=6),
+)
+
+
+def test_the_view_shows_a_room_as_opengl_and_its_eye_moves(browser):
+    view = View(browser, ROOM)
+    figures = list(verify_live.same([(view, OpenGLView(ROOM))], (80, 60)))
+    assert all(figure.holds for figure in figures), figures
+    view.page.set_viewport_size({"width": 400, "height": 300})
+    view.page.mouse.move(200, 200)
+    view.page.mouse.down()
+    view.page.mouse.move(100, 150)
+    view.page.mouse.up()
+    view.page.get_by_label("window1").fill("-30")
+    eye, alpha = view.page.evaluate("(({ eye, windows }) => [eye, windows[0].values.alpha])(povgen.main.view.scene)")
+    before = ROOM.camera
+    step = np.array([-100, 50]) * 6 / 300 @ [before.right, before.up]  # tiles
+    assert [eye["x"], eye["y"], eye["z"]] == pytest.approx(before.eye + step) and alpha == -30
+    moved = povgen.live(ROOM)
+    moved._move({"eye": eye, "other": 1})
+    moved._move({"alphas": [alpha, 60]})
+    then = moved.scene
+    assert then.window[0].alpha == -30 and then.window[1] == ROOM.window[1] and then.object == ROOM.object
+    view.page.evaluate("(faces) => povgen.main.view.set({ faces })", max_trace_level(then))
+    ours, theirs = OpenGLView(then).readout(SIZE), view.readout(SIZE)
+    assert (abs(ours["ray"] - theirs["ray"]).max(-1) < 1e-4).mean() > 0.999
+    for wrong in ({"eye": {"z": 0}}, {"eye": 5}, {"alphas": ["x", 3]}, {"alphas": 3}):
+        moved._move(wrong)  # inside a window, or nonsense
+        assert moved.scene == then
+    view.page.close()
 
 
 @pytest.mark.release
