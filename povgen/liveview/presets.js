@@ -16,8 +16,8 @@ const PRESETS = {
       const y = frameFoot(scene), last = lastZ(scene), { pedestal } = scene;
       const pedestals = pieces.map((name, k) => upright("pedestal", [x[k], y, last + z1[k]], [scene.pedestal_halves[name], pedestal, 0, 0]));
       return [
-        ...(pedestal ? pedestals : []),
         ...pieces.map((name, k) => upright("piece", [x[k], y + pedestal, last + z1[k]], [names.indexOf(name), 0, 0, 0], colours[k])),
+        ...(pedestal ? pedestals : []),
       ];
     },
   },

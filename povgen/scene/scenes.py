@@ -200,7 +200,7 @@ class Chess(AxialScene):
             Piece.model_construct(x=each.x, y=y + self.pedestal, z=last + each.z1, piece=each.piece, color=each.color)
             for each in self.pieces
         ]
-        return [*floor, *(pedestals if self.pedestal else ()), *pieces]
+        return [*floor, *pieces, *(pedestals if self.pedestal else ())]
 
     @property
     def L(self) -> complex:

@@ -129,7 +129,7 @@ def test_a_piece_of_ones_own(browser, tmp_path):
     scene = Chess(piece=str(file), sheet="none")
     view = View(browser, scene)
     shown, drawn = (each.readout(SIZE)["shown"][..., 0] for each in (view, OpenGLView(scene)))
-    assert (shown == drawn).mean() > 0.999 and (shown == 3).sum() > 250  # OBJECT in objects.glsl
+    assert (shown == drawn).mean() > 0.999 and (shown == 3).sum() > 250  # OBJECT in windows.glsl
     view.page.close()
 
 
