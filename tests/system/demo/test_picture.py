@@ -53,7 +53,7 @@ def test_two_windows_show_the_piece_where_it_is_predicted(page, prisms):
 def piece_and_prediction(page):
     """Return where the picture shows the piece, and where its image is predicted, as masks (120, 160)."""
     shown = page.evaluate("[...readout(view, 160, 120).shown].filter((_, k) => k % 4 === 0)")
-    piece = np.reshape(shown, (120, 160))[::-1] == 2 + page.evaluate("moment().windows.length")  # OBJECT in windows.glsl
+    piece = np.reshape(shown, (120, 160))[::-1] == 2 + page.evaluate("moment().windows.length")
     inside = page.evaluate(
         """() => {
           const scale = stage.clientHeight / 120;
