@@ -5,5 +5,5 @@ interface Event { [name: string]: any }
 interface Element { setAttribute(name: string, value: unknown): void }
 interface Window { povgen: any }
 
-// Made by povgen from the kinds of sheets and objects: povgen/liveview/laws.js.j2.
-declare module "*/laws.js" { export const LAWS: Record<string, any>, OBJECTS: string[] }
+// Made by povgen from the kinds of sheets: povgen/liveview/laws.js.j2.
+declare module "*/laws.js" { export const LAWS: Record<string, any> }

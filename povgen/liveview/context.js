@@ -128,7 +128,7 @@ export class Context {
     gl.useProgram(made.program);
     const setters = {
       [gl.FLOAT]: "uniform1fv", [gl.FLOAT_VEC2]: "uniform2fv", [gl.FLOAT_VEC3]: "uniform3fv", [gl.FLOAT_VEC4]: "uniform4fv",
-      [gl.INT]: "uniform1iv", [gl.BOOL]: "uniform1iv", [gl.SAMPLER_2D]: "uniform1iv", [gl.SAMPLER_3D]: "uniform1iv",
+      [gl.INT]: "uniform1iv", [gl.INT_VEC2]: "uniform2iv", [gl.BOOL]: "uniform1iv", [gl.SAMPLER_2D]: "uniform1iv", [gl.SAMPLER_3D]: "uniform1iv",
     };
     const values = { ...(name === "display" ? {} : uniforms(this.scene, this.shapes)), ...others };
     for (const [key, { place, type }] of Object.entries(this.uniforms(made))) {

@@ -48,10 +48,12 @@ Finish FrameTexture(int w, vec3 p) {
   vec2 beside = abs(p.xy) - windowHalf[w];
   vec2 q = beside.x > beside.y ? (p.x < 0.0 ? vec2(p.y, -p.x) : vec2(-p.y, p.x)) : (p.y > 0.0 ? p.xy : -p.xy);
   bool lip = max(beside.x, beside.y) < 0.2 * frameRim;
+#ifdef ROUND_WINDOWS
   if (windowRound[w]) {
     q = p.xy;
     lip = length(p.xy / (windowHalf[w] + 0.2 * frameRim)) < 1.0;
   }
+#endif
   if (lip && !isInWindow(w, p.xy) && p.z < 1e-4 - windowDepth[w] / 2.0) {
     return Finish(vec3({{ materials.LIP }}), {{ materials.FINISHES.lip | join(", ") }}, true);
   }

@@ -4,8 +4,6 @@
 // object, reach_KIND and others, are in that kind's file.
 
 #if OBJECTS > 0
-uniform int objectCount;               // at most OBJECTS
-uniform int objectKind[OBJECTS];
 uniform vec3 objectPlace[OBJECTS];
 uniform vec4 objectNumbers[OBJECTS];   // `numbers` of the object's file
 uniform vec3 objectColour[OBJECTS];    // sRGB, 0 to 1
@@ -16,6 +14,7 @@ uniform mat3 objectAxes[OBJECTS];      // the axes of each object: its columns
 
 {% for name, text in objects.items() %}
 {{ "#if OBJECTS > 0 && defined(HAS_%s)" | format(name.upper()) }}
+uniform ivec2 all_{{ name }};  // the numbers of the objects of this kind: from the first, and up to the second
 {{ text.strip() }}
 #endif
 {% endfor %}
@@ -29,28 +28,32 @@ vec3 toObject(int k, vec3 v) {
 #endif
 }
 
-// How far along a ray meets an object, or `most`.
-float reachOf(int k, vec3 o, vec3 d, float most) {
-  o = toObject(k, o - objectPlace[k]);
-  d = toObject(k, d);
-  vec4 n = objectNumbers[k];
-  int kind = objectKind[k];
+// The first object that a ray meets before it has gone as far as `most`, which becomes how far away it is; -1: none.
+int objectMet(vec3 o, vec3 d, inout float most) {
+  int met = -1;
 {% for name in objects %}
 {{ "#ifdef HAS_%s" | format(name.upper()) }}
-  if (kind == {{ loop.index0 }}) return reach_{{ name }}(o, d, n, most);
+  for (int k = all_{{ name }}.x; k < all_{{ name }}.y; k++) {
+    float t = reach_{{ name }}(toObject(k, o - objectPlace[k]), toObject(k, d), objectNumbers[k], most);
+    if (t < most) {
+      most = t;
+      met = k;
+    }
+  }
 #endif
 {% endfor %}
-  return most;
+  return met;
 }
+
+bool isIn(ivec2 several, int k) { return several.x <= k && k < several.y; }
 
 vec3 normalOf(int k, vec3 p) {
   p = toObject(k, p - objectPlace[k]);
   vec4 n = objectNumbers[k];
-  int kind = objectKind[k];
   vec3 found = vec3(0, 0, 1);
 {% for name in objects %}
 {{ "#ifdef HAS_%s" | format(name.upper()) }}
-  if (kind == {{ loop.index0 }}) found = normal_{{ name }}(p, n);
+  if (isIn(all_{{ name }}, k)) found = normal_{{ name }}(p, n);
 #endif
 {% endfor %}
 #ifdef TURNED_OBJECTS
@@ -63,10 +66,9 @@ vec3 normalOf(int k, vec3 p) {
 Finish materialOf(int k, vec3 p) {
   p = toObject(k, p - objectPlace[k]);
   vec4 n = objectNumbers[k];
-  int kind = objectKind[k];
 {% for name in objects %}
 {{ "#ifdef HAS_%s" | format(name.upper()) }}
-  if (kind == {{ loop.index0 }}) return finish_{{ name }}(p, n, objectColour[k]);
+  if (isIn(all_{{ name }}, k)) return finish_{{ name }}(p, n, objectColour[k]);
 #endif
 {% endfor %}
   return Finish(vec3(0), 0.0, 0.0, 0.0, 1.0, false);
@@ -80,14 +82,11 @@ Hit meet(vec3 o, vec3 d, float most) {
   if (hasFloor && d.y < 0.0 && below > 0.0 && below < min(most, horizon)) hit = Hit(below, FLOOR, vec3(0, 1, 0));
   meetFrames(o, d, hit);
 #if OBJECTS > 0
-  for (int k = 0; k < objectCount; k++) {
-    float t = reachOf(k, o, d, hit.t);
-    if (t < hit.t) {
-      hit.t = t;
-      hit.what = OBJECT + k;
-    }
+  int met = objectMet(o, d, hit.t);
+  if (met >= 0) {
+    hit.what = OBJECT + met;
+    hit.normal = normalOf(met, o + hit.t * d);
   }
-  if (hit.what >= OBJECT) hit.normal = normalOf(hit.what - OBJECT, o + hit.t * d);
 #endif
   return hit;
 }
@@ -96,9 +95,9 @@ Hit meet(vec3 o, vec3 d, float most) {
 bool shadowed(vec3 o, vec3 d) {
   Hit hit = Hit(1e30, SKY, vec3(0));
   meetFrames(o, d, hit);
-  if (hit.what != SKY) return true;
 #if OBJECTS > 0
-  for (int k = 0; k < objectCount; k++) if (reachOf(k, o, d, 1e30) < 1e30) return true;
+  return hit.what != SKY || objectMet(o, d, hit.t) >= 0;
+#else
+  return hit.what != SKY;
 #endif
-  return false;
 }

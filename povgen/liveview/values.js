@@ -1,7 +1,6 @@
 // What the shaders are given for a scene, as in povgen/scene/shader.py. Lengths are in tiles, angles in degrees.
 
 import * as geometry from "./geometry.js";
-import { OBJECTS } from "./laws.js";
 import { camera, floorY, horizon, isTurned, objects, openings } from "./presets.js";
 import { CONSTANTS, constants, hasPrisms, kind } from "./sheets.js";
 
@@ -30,8 +29,10 @@ export function defines(scene, { names, grid }) {
     ...Object.fromEntries(things.map((thing) => [`HAS_${thing.kind.toUpperCase()}`, 1])),
     ...(edges && { PROFILE_EDGES: edges }),
     ...(cards && { CARDS: cards.places.length }),
+    ...(all.some(({ round }) => round) && { ROUND_WINDOWS: 1 }),
     ...(all.some(isTurned) && { TURNED_WINDOWS: 1 }),
     ...(things.some(isTurned) && { TURNED_OBJECTS: 1 }),
+    ...(!scene.objects && all.length === 1 && { ALONE: 1 }),
     ...Object.fromEntries(Object.keys(surroundings).map((part) => [`${part.toUpperCase()}_PICTURE`, 1])),
   };
   return Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
@@ -69,10 +70,9 @@ export function uniforms(scene, { names, places }) {
 }
 
 function objectUniforms(things) {
-  const each = (of, rest) => padded(things.map(of), mostObjects(things), rest);
+  const each = (of, rest) => padded(things.map(of), mostObjects(things), rest), kinds = things.map(({ kind }) => kind);
   return {
-    objectCount: things.length,
-    objectKind: each(({ kind }) => OBJECTS.indexOf(kind), 0),
+    ...Object.fromEntries(kinds.map((kind) => [`all_${kind}`, [kinds.indexOf(kind), kinds.lastIndexOf(kind) + 1]])),
     objectPlace: each(({ place }) => place, [0, 0, 0]),
     objectAxes: each(({ axes }) => axes, Array(3).fill([0, 0, 0])),
     objectNumbers: each(({ numbers }) => numbers, [0, 0, 0, 0]),

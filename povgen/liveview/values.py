@@ -57,7 +57,7 @@ def _room(scene: Scene) -> dict[str, Any]:
         "floor_y": floor and floor.y,
         "objects": [
             {
-                "kind": each.drawn_as or each.kind,
+                "kind": shader.kind_of(each),
                 "place": each.pose[:3],
                 "axes": each.pose.axes.tolist(),
                 "numbers": each.numbers(parts),

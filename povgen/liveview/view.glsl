@@ -24,12 +24,15 @@ vec3 placeOf(vec2 pixel) {
 int windowMet(vec3 o, vec3 d, float start, int last, out float reach) {
   int met = -1;
   reach = 1e30;
-  for (int w = 0; w < WINDOWS; w++) {
-    if (w == last || kind[w] == -2) continue;  // an empty window leaves light as it is
+  EACH_WINDOW(w) {
     vec3 p = toWindow(w, o - windowPlace[w]), v = toWindow(w, d);
     float half_ = sheetCounts[w] > 0 ? prismHalves[w] * pitches[w] - sheetCentres[2 * w] : 0.0;  // of the sheets' extent along z
     float t = (-sign(v.z) * half_ - p.z) / v.z;
-    if (t > start && t < reach && isInWindow(w, p.xy + t * v.xy)) {
+    bool enters = w != last && kind[w] != -2 && isInWindow(w, p.xy + t * v.xy);  // an empty window leaves light as it is
+#ifdef ALONE
+    enters = enters && isInWindow(w, p.xy + (-windowDepth[w] / 2.0 - p.z) / v.z * v.xy);
+#endif
+    if (enters && t > start && t < reach) {
       met = w;
       reach = t;
     }
@@ -37,51 +40,58 @@ int windowMet(vec3 o, vec3 d, float start, int last, out float reach) {
   return met;
 }
 
+// Take a ray through a window. o is a point of the ray, and the window is met at t = `reach`. Return whether the ray ends there.
+bool endsIn(int w, inout Seen seen, inout vec3 o, float reach) {
+  vec3 p = toWindow(w, o - windowPlace[w]), d = toWindow(w, seen.direction);
+  if (sheetCounts[w] > 0) {
+    seen.passage = passage(Passage(p, d, THROUGH, seen.passage.faces), w);
+    p = seen.passage.position;
+    d = seen.passage.direction;
+    seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == BLACKENED;
+    if (seen.passage.end == FRAME) {
+      vec2 far = p.xy / windowHalf[w];
+      vec2 inwards = abs(far.x) > abs(far.y) ? vec2(-sign(far.x), 0) : vec2(0, -sign(far.y));
+#ifdef ROUND_WINDOWS
+      if (windowRound[w]) inwards = -normalize(far / windowHalf[w]);
+#endif
+      seen.hit = Hit(0.0, WINDOW_FRAME + w, fromWindow(w, vec3(inwards, 0)));
+    }
+  } else {
+    p = vec3(p.xy + reach * d.xy, 0);
+    float forward = d.z;
+#ifdef ALONE
+    d = bent(d, p.xy, w);
+#else
+    d = forward > 0.0 ? bent(d, p.xy, w) : bentFromBehind(d, p.xy, w);
+#endif
+    seen.lost = d.z * forward <= 0.0;
+  }
+  seen.origin = o = fromWindow(w, p) + windowPlace[w];
+  seen.direction = fromWindow(w, d);
+  return seen.lost || seen.hit.what != SKY;
+}
+
 const int MOST_WINDOWS = 100;  // that a ray passes; the trace in numpy has the same limit
 
 // What the eye sees at a place in the plane of the picture. A ray to the first window is counted from there, not from the
 // eye: a far eye's distance, in pitches, would have too many digits.
 Seen see(vec3 place) {
-  Seen seen;
-  vec3 d = normalize(place - eye), o = place;  // a point of the ray
-  float start = -distance(place, eye);         // where the ray starts, from there
-  seen.origin = eye;
-  seen.direction = seen.eyeDirection = d;
-  seen.lost = false;
-  seen.passage = Passage(eye, d, THROUGH, 0);
-  int last = -1;
-  for (int k = 0; k < MOST_WINDOWS; k++) {
-    float reach;
-    int met = windowMet(o, d, start, last, reach);
-    seen.hit = meet(seen.origin, d, met < 0 ? 1e30 : reach - start);
-    if (seen.hit.what != SKY || met < 0) return seen;
-    vec3 p = toWindow(met, o - windowPlace[met]), v = toWindow(met, d);
-    if (sheetCounts[met] > 0) {
-      seen.passage = passage(Passage(p, v, THROUGH, seen.passage.faces), met);
-      p = seen.passage.position;
-      v = seen.passage.direction;
-      seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == BLACKENED;
-    } else {
-      p += reach * v;
-      p.z = 0.0;
-      bool forward = v.z > 0.0;
-      v = forward ? bent(v, p.xy, met) : bentFromBehind(v, p.xy, met);
-      seen.lost = v.z > 0.0 != forward;
-    }
-    seen.origin = o = fromWindow(met, p) + windowPlace[met];
-    seen.direction = d = fromWindow(met, v);
-    if (seen.lost) return seen;
-    if (sheetCounts[met] > 0 && seen.passage.end == FRAME) {
-      vec2 far = p.xy / windowHalf[met];
-      vec2 inwards = windowRound[met] ? -normalize(far / windowHalf[met])
-        : abs(far.x) > abs(far.y) ? vec2(-sign(far.x), 0) : vec2(0, -sign(far.y));
-      seen.hit = Hit(0.0, WINDOW_FRAME + met, fromWindow(met, vec3(inwards, 0)));
-      return seen;
-    }
+  vec3 o = place, d = normalize(place - eye);  // a point of the ray, and its direction
+  float start = -distance(place, eye), reach;  // where the ray starts, from this point
+  Seen seen = Seen(eye, d, d, Hit(0.0, SKY, vec3(0)), false, Passage(eye, d, THROUGH, 0));
+#ifdef ALONE  // a ray into its frame meets nothing else before the sheets
+  if (windowMet(o, d, start, -1, reach) == 0 && endsIn(0, seen, o, reach)) return seen;
+#else
+  int met = windowMet(o, d, start, -1, reach);
+  for (int k = 0; k < MOST_WINDOWS && met >= 0; k++) {
+    seen.hit = meet(seen.origin, seen.direction, reach - start);
+    if (seen.hit.what != SKY || endsIn(met, seen, o, reach)) return seen;
     start = 0.0;
-    last = met;
+    met = windowMet(o, seen.direction, start, met, reach);
   }
-  seen.lost = true;
+  seen.lost = met >= 0;
+#endif
+  seen.hit = meet(seen.origin, seen.direction, 1e30);
   return seen;
 }
 

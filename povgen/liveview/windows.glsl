@@ -7,16 +7,26 @@ const int OBJECT = WINDOW_FRAME + WINDOWS;  // the first object; the next is one
 
 uniform vec3 windowPlace[WINDOWS];     // the middle of each window
 uniform vec2 windowHalf[WINDOWS];      // half its width and height
-uniform bool windowRound[WINDOWS];     // whether the opening is an ellipse
 uniform float windowDepth[WINDOWS];    // extent of its frame along its z; 0: it has none
 uniform bool windowFramed[WINDOWS];    // whether the frame is seen; otherwise it is a black edge without width
 uniform float frameRim;                // width of a frame's sides
 uniform bool hasFloor;
 uniform float floorY;
 uniform float horizon;                 // how far away the floor ends
+#ifdef ROUND_WINDOWS
+uniform bool windowRound[WINDOWS];     // whether the opening is an ellipse
+#endif
 #ifdef TURNED_WINDOWS
 uniform mat3 windowAxes[WINDOWS];      // the axes of each window: its columns
 #endif
+
+// With ALONE there is one window, the eye is in front of it, and all objects are behind it. A loop of one turn takes time.
+#if WINDOWS > 1
+#define EACH_WINDOW(w) for (int w = 0; w < WINDOWS; w++)
+#else
+#define EACH_WINDOW(w) const int w = 0;
+#endif
+
 struct Hit {
   float t;      // how far along the ray; the direction is a unit vector
   int what;     // SKY, FLOOR, WINDOW_FRAME + the number of the window, or OBJECT + the number of the object
@@ -67,17 +77,22 @@ vec3 faceNormal(vec3 p) {
 // ---- Windows ----
 
 bool isInWindow(int w, vec2 place) {
-  vec2 far = abs(place) / windowHalf[w];
-  return windowRound[w] ? dot(far, far) < 1.0 : max(far.x, far.y) < 1.0;
+#ifdef ROUND_WINDOWS
+  vec2 far = place / windowHalf[w];
+  if (windowRound[w]) return dot(far, far) < 1.0;
+#endif
+  return all(lessThan(abs(place), windowHalf[w]));
 }
 
 // How far a ray has gone, since it left the space within a window's outline, to a place outside.
 float beyondWindow(int w, vec2 place, vec2 d) {
+#ifdef ROUND_WINDOWS
   if (windowRound[w]) {
     vec2 p = place / windowHalf[w], v = d / windowHalf[w];
     float a = max(dot(v, v), 1e-18), b = dot(p, v);
     return max((b - sqrt(max(b * b - a * (dot(p, p) - 1.0), 0.0))) / a, 0.0);
   }
+#endif
   vec2 back = max((abs(place) - windowHalf[w]) / max(abs(d), 1e-9), 0.0);
   return max(back.x, back.y);
 }
@@ -103,6 +118,7 @@ void meetFrameFace(int w, vec3 o, vec3 d, vec2 a, vec2 b, inout Hit hit) {
   }
 }
 
+#ifdef ROUND_WINDOWS
 // The round frame: a ring between two cylinders and two planes. o and d are in the window's coordinates.
 void meetRing(int w, vec3 o, vec3 d, inout Hit hit) {
   float back = windowDepth[w] / 2.0;
@@ -126,15 +142,18 @@ void meetRing(int w, vec3 o, vec3 d, inout Hit hit) {
     if (t > 0.0 && t < hit.t && within) hit = Hit(t, WINDOW_FRAME + w, vec3(0, 0, -sign(d.z)));
   }
 }
+#endif
 
 // The frame of a window. o and d are in the window's coordinates.
 void meetFrame(int w, vec3 o, vec3 d, inout Hit hit) {
   float back = windowDepth[w] / 2.0;
   if (back == 0.0) return;
+#ifdef ROUND_WINDOWS
   if (windowRound[w]) {
     meetRing(w, o, d, hit);
     return;
   }
+#endif
   vec2 half_ = windowHalf[w];
   // A ray that comes through the opening can only meet the opening's four inner faces.
   float entry = max(((d.z > 0.0 ? -back : back) - o.z) / d.z, 0.0);
@@ -163,7 +182,7 @@ void meetFrame(int w, vec3 o, vec3 d, inout Hit hit) {
 }
 
 void meetFrames(vec3 o, vec3 d, inout Hit hit) {
-  for (int w = 0; w < WINDOWS; w++) {
+  EACH_WINDOW(w) {
     float before = hit.t;
     meetFrame(w, toWindow(w, o - windowPlace[w]), toWindow(w, d), hit);
     if (hit.t < before) hit.normal = fromWindow(w, hit.normal);

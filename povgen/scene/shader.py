@@ -9,7 +9,6 @@ from math import cos, radians, sin
 from typing import Any, NamedTuple
 
 from povgen.inputs.pictures import File, Picture
-from povgen.objects import OBJECTS
 from povgen.objects.board import Board, stacked
 from povgen.objects.scene_object import Parts, SceneObject
 from povgen.optics.faces import GlassSheet
@@ -19,6 +18,7 @@ from povgen.optics.profile import Profile
 from povgen.optics.rays import Opening
 from povgen.scene.laws import Text, to_live
 from povgen.scene.scene import Scene
+from povgen.scene.scenes import AxialScene
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.sheets.layered import Layered
 from povgen.sheets.none import NoSheet
@@ -26,7 +26,6 @@ from povgen.sheets.own import OwnLaw
 from povgen.sheets.sheet import Ideal, Sheet
 
 BACKGROUNDS = ("sky", "black", "white", "transparent")  # their numbers in materials.glsl
-KINDS = [*dict.fromkeys(kind.drawn_as or name for name, kind in OBJECTS.items() if kind.glsl)]  # numbers in the shader
 # The shader is compiled for a multiple of so many objects, so that scenes with fewer can use the same shader.
 AT_ONCE = 4
 NO_WINDOW = Opening(Pose(), NoSheet({}, 1e-9))  # of a scene without windows: a shader has at least one
@@ -41,8 +40,15 @@ class Cards(NamedTuple):
 
 
 def drawn(scene: Scene) -> list[SceneObject]:
-    """Return the objects that the shader's functions draw: all but the floor."""
-    return [each for each in scene.contents if each.glsl]
+    """Return the objects that the shader's functions draw: all but the floor. Those of a kind are side by side."""
+    found = [each for each in scene.contents if each.glsl]
+    kinds = [*map(kind_of, found)]
+    return sorted(found, key=lambda each: kinds.index(kind_of(each)))
+
+
+def kind_of(thing: SceneObject) -> str:
+    """Return KIND in the names of an object's functions in GLSL."""
+    return thing.drawn_as or thing.kind
 
 
 def cards(scene: Scene) -> Cards:
@@ -70,15 +76,19 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
         "VOLUMES": len(names),
         "GRID": ", ".join(map(str, grid)),
     }
-    found |= {f"HAS_{each.drawn_as or each.kind}".upper(): 1 for each in things}
+    found |= {f"HAS_{kind_of(each)}".upper(): 1 for each in things}
     if edges := [len(profile.edges) for profile in map(_profile, scene.openings) if profile]:
         found["PROFILE_EDGES"] = max(edges)
     if count := len(cards(scene).pictures):
         found["CARDS"] = count
+    if any(opening.outline.is_round for opening in scene.openings):
+        found["ROUND_WINDOWS"] = 1
     if any(any(opening.pose[3:]) for opening in scene.openings):
         found["TURNED_WINDOWS"] = 1
     if any(any(each.pose[3:]) for each in things):
         found["TURNED_OBJECTS"] = 1
+    if isinstance(scene, AxialScene) and len(scene.openings) == 1:
+        found["ALONE"] = 1
     found |= {f"{part.upper()}_PICTURE": 1 for part in surroundings(scene)}
     return found
 
@@ -135,9 +145,8 @@ def uniforms(
 def _objects(things: Sequence[SceneObject], parts: Parts) -> dict[str, Any]:
     """Return the uniforms of povgen/liveview/objects.glsl."""
     rest = range(-len(things) % AT_ONCE)  # the shader has so many objects more, which it does not draw
-    return {
-        "objectCount": len(things),
-        "objectKind": [KINDS.index(each.drawn_as or each.kind) for each in things] + [0 for _ in rest],
+    kinds = [*map(kind_of, things)]
+    return {f"all_{kind}": (kinds.index(kind), kinds.index(kind) + kinds.count(kind)) for kind in kinds} | {
         "objectPlace": [each.pose[:3] for each in things] + [(0, 0, 0) for _ in rest],
         "objectAxes": [each.pose.axes.tolist() for each in things] + [[(0, 0, 0)] * 3 for _ in rest],
         "objectNumbers": [each.numbers(parts) for each in things] + [(0, 0, 0, 0) for _ in rest],
