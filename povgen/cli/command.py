@@ -14,6 +14,7 @@ from pydantic_core import PydanticUndefined
 from povgen.errors import InputError
 from povgen.inputs import mesh
 from povgen.scene.model import EyeAndWindows
+from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES
 from povgen.settings import Rendering, Sampling
@@ -128,7 +129,8 @@ def _repeat(message: str, repeated: dict[str, tuple[str, ...]]) -> str:
     """Return what to add to an error about an option that can be repeated, and that got several values at once."""
     for name, texts in repeated.items():
         several = (x for x in texts if re.search("[,; ]", x) and not os.path.exists(x) and not mesh.split(x))
-        if re.search(rf"\b{name} = ", message) and any(several):
+        is_table = name in Room.model_fields  # its text has commas
+        if not is_table and re.search(rf"\b{name} = ", message) and any(several):
             return f"; give --{name} once for each value"
     return ""
 

@@ -69,8 +69,7 @@ def _fits_32_bits(sheet: OwnLaw, opening: Opening, eye: Vector) -> bool:
     side = np.linspace(-0.47, 0.49, 15)
     place = side * opening.outline.width + 1j * (side * opening.outline.height)[:, None]
     (x, y, z), _ = opening.pose.own(np.array(eye), np.zeros(3))
-    off = np.sign(-z or 1) * (place - x - 1j * y)  # from behind, light takes a path from the front
-    ray = np.stack((off.real, off.imag, np.full(place.shape, abs(z))), -1)
+    ray = np.stack(((place - x).real, place.imag - y, np.full(place.shape, abs(z))), -1)
     right = sheet.bend(ray, place)
     off = np.linalg.norm(sheet.law.bend_in_32_bits(ray, place, sheet.numbers) - right, axis=-1)
     lit = np.isfinite(right[..., 0])

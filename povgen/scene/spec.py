@@ -249,9 +249,9 @@ class MovieSpec(Model):
             if sweeps:
                 values["sweep"] = [*map(Sweep.parse, sweeps)]
             values = _with_fixed_table(values, folder, fixed)
-            for key in values:
-                if key not in cls.model_fields and any(key in scene.model_fields for scene in SCENES.values()):
-                    raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
+            scene = SCENES.get(str(values.get("scene")), Scene)
+            for key in sorted(values.keys() & scene.model_fields.keys() - cls.model_fields.keys()):
+                raise InputError(f"{key}: a parameter of the scene; allowed: in the table [fixed]")
             spec = cls(**values).with_fixed(fixed)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None

@@ -264,8 +264,10 @@ def test_a_record_has_all_files_of_a_room(with_files, tmp_path):
 
 def test_files_that_are_not_seen_are_not_in_the_record(with_files, tmp_path):
     window = Window(profile=with_files / "own.toml")
-    save(Room(window, sky=None), tmp_path / "a.png", **TINY)
-    assert info(tmp_path / "a.png").pieces == {} and Room.from_file(tmp_path / "a.png") == Room(Window())
+    save(Room(window, background="black", sky=picture(tmp_path)), tmp_path / "a.png", **TINY)
+    record = info(tmp_path / "a.png")
+    assert record.pieces == record.pictures == {}
+    assert Room.from_file(tmp_path / "a.png") == Room(Window(), background="black")
 
 
 def test_a_strangers_record_reads_no_file(with_files, tmp_path):
