@@ -195,6 +195,12 @@ class Room(Scene):
     def named_openings(self) -> dict[str, Opening]:
         return dict(zip(self.things, self.openings, strict=False))  # windows come first
 
+    def ray_tables(self, size: tuple[int, int]) -> Iterable[bytes]:
+        if self.rays_file is None:
+            return ()
+        rays = traced_rays.of_file(self.rays_file.content)
+        return traced_rays.Found.of(rays, size).legs(rays.tile)
+
     @property
     def contents(self) -> Sequence[SceneObject]:
         return self.object

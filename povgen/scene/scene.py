@@ -110,6 +110,10 @@ class Scene(Model):
         """
         raise NotImplementedError
 
+    def ray_tables(self, size: tuple[int, int]) -> Iterable[bytes]:  # noqa: ARG002
+        """Return the tables of rays that the scene's text for POV-Ray reads: none but for rooms with ideal windows."""
+        return ()
+
     @property
     def outlines(self) -> tuple[str, ...]:
         """The names of the parameters that draw an outline on the picture, and are true."""

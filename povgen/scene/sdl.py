@@ -122,6 +122,7 @@ def to_pov(
     sheet_macro: str | None = None,
     file: str = "scene.pov",
     found: Survey | None = None,
+    rays: str = "",
     **options: object,
 ) -> str:
     """Return the scene in POV-Ray's language. Frames of a movie differ only in the values of `#declare` lines.
@@ -132,6 +133,7 @@ def to_pov(
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in POV-Ray's language (SDL) that
     replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found`
     is the scene's survey (`povgen.scene.survey.survey`), if it is known already. If it is None, rays are traced.
+    `rays` begins the names of the files of a room's rays, of which the text reads that with the number Leg.
 
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes such a
     picture from two scenes.
@@ -143,7 +145,7 @@ def to_pov(
         )
     sampling = Sampling(**options).suited(scene.has_prisms)
     if isinstance(scene, Room):
-        return _room(scene, max_trace_level(scene, found), sampling, file)
+        return _room(scene, max_trace_level(scene, found), sampling, file, rays)
     assert isinstance(scene, AxialScene)
     shown_by = cells.template(scene)
     first = scene.sheets[0]
@@ -176,7 +178,7 @@ def to_pov(
     )
 
 
-def _room(scene: Room, trace_level: int, sampling: Sampling, file: str) -> str:
+def _room(scene: Room, trace_level: int, sampling: Sampling, file: str, rays: str) -> str:
     """Return a room in POV-Ray's language."""
     own = [*dict.fromkeys(each.shape for each in scene.object if isinstance(each.shape, PieceFile))]
     things = {name: each for name, each in scene.things.items() if isinstance(each, SceneObject) and each.glsl}
@@ -190,7 +192,9 @@ def _room(scene: Room, trace_level: int, sampling: Sampling, file: str) -> str:
         .get_template("room.pov.j2")
         .render(
             scene=scene,
-            rays=scene.rays_file.name if scene.rays_file else "",
+            rays=scene.rays_file and (rays or scene.rays_file.name),
+            legs=rays,
+            size=sampling.size,
             own=own,
             input=_input(file),
             options=" ".join(sampling.picture_options),

@@ -7,6 +7,7 @@ behind the windows are seen as they are, and real prisms bend the rays by themse
 
 from collections.abc import Iterator, Sequence
 from hashlib import sha256
+from itertools import pairwise
 from pickle import dumps, loads
 from typing import NamedTuple
 
@@ -76,13 +77,27 @@ class Found(NamedTuple):
         count = self.size[0] * self.size[1]
         made, open_ = np.zeros((count, 3), np.float32), np.ones(count, bool)
         held = np.all(abs(light - np.array(HOLD_OUT, np.float32)) < 5e-4, axis=1)
-        starts = np.flatnonzero(np.concatenate(([True], np.diff(self.pixel) < 0, [True])))  # of the legs
-        for begin, end in zip(starts, starts[1:], strict=False):
-            pixel, ends, seen = self.pixel[begin:end], held[begin:end], light[begin:end]
-            shown = open_[pixel] & ~ends
-            made[pixel[shown]] = seen[shown]
+        for part in self.parts:
+            pixel = self.pixel[part]
+            shown = open_[pixel] & ~held[part]
+            made[pixel[shown]] = light[part][shown]
             open_[pixel[shown]] = False
         return made.reshape(self.size[1], self.size[0], 3)
+
+    @property
+    def parts(self) -> list[slice]:
+        """The eye's rays, those behind the first ideal window of each, and so on."""
+        starts = np.flatnonzero(np.concatenate(([True], np.diff(self.pixel) < 0, [True]))).tolist()
+        return [slice(*ends) for ends in pairwise(starts)]
+
+    def legs(self, tile: int) -> Iterator[bytes]:
+        """Yield a table for each of `parts`. It has a ray for each pixel: the eye's, where the part has none."""
+        position, direction = (values[self.parts[0]].copy() for values in (self.position, self.direction))
+        for part in self.parts:
+            at = self.pixel[part]
+            here, along = position.copy(), direction.copy()
+            here[at], along[at] = self.position[part], self.direction[part]
+            yield _table(here, along, tile)
 
 
 def file(openings: Sequence[Opening], camera: Camera, tile: int) -> File | None:

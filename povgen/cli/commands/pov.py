@@ -14,6 +14,7 @@ from povgen.inputs.pictures import used
 from povgen.progress import say
 from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets
+from povgen.settings import Sampling
 
 
 @click.command("pov", cls=Command)
@@ -25,7 +26,7 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     """Write a scene's POV-Ray source to standard output, or to the file of -o.
 
     The source's header states the command with which POV-Ray makes the same picture as povgen frame does.
-    The pictures of --sky and --floor, which the source names, are written beside the file of -o.
+    The pictures of --sky and --floor, and a room's rays, which the source names, are written beside the file of -o.
     """
     values, sampling = options.split(values)
     made = options.scene_of(scene, values)
@@ -38,7 +39,8 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
             output, [".inc" if part else ".pov"], inputs=[*input_files([made]), *options.scene_files(scene)]
         )
     name = "scene.pov" if output is None else output.name
-    text = to_sheets(made) if part else to_pov(made, file=name, **sampling)
+    rays = f"{Path(name).stem}-rays-"
+    text = to_sheets(made) if part else to_pov(made, file=name, rays=rays, **sampling)
     warn(options.stated(made, values), [made])
     for outline in made.outlines:
         say(f"povgen: warning: {outline} = true: no effect in a .pov file; povgen draws it on the rendered picture")
@@ -47,4 +49,6 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     else:
         for file, png in used(text).items():
             save(png, output.parent / file)
+        for number, table in enumerate(made.ray_tables(Sampling(**sampling).size)):
+            save(table, output.parent / f"{rays}{number}.inc")
         save(text.encode(), output)
