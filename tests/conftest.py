@@ -84,6 +84,10 @@ settings.register_profile("povgen", deadline=None, derandomize=True, database=No
 settings.load_profile("povgen")
 
 
+# files whose tests share what takes long to make: they run in one process
+TOGETHER = "choice cluster figures javascript laws lesson live movies package records site tolerances".split()
+
+
 @pytest.hookimpl(tryfirst=True)  # before pytest selects tests by their marks
 def pytest_collection_modifyitems(items):
     """Mark tests by their files.
@@ -93,11 +97,13 @@ def pytest_collection_modifyitems(items):
     """
     for item in items:
         path = item.path.relative_to(PROJECT / "tests")
-        if path.parts[0] == "release":
+        folder, name = path.parent.name, path.stem.removeprefix("test_")
+        if folder == "release":
             item.add_marker("release")
-        if path.parent.name == "demo":
-            item.add_marker(pytest.mark.xdist_group("demo a-l" if path.stem < "test_m" else "demo m-z"))
-        if path.parent.name == "demo" or path.name in ("test_live.py", "test_cluster.py", "test_firefox.py"):
+        if folder in ("demo", "fuzz") or name in TOGETHER:
+            group = ("demo a-l", "demo m-z")[name >= "m"] if folder == "demo" else "fuzz" if folder == "fuzz" else name
+            item.add_marker(pytest.mark.xdist_group(group))
+        if folder == "demo" or name in ("live", "cluster", "firefox"):
             item.add_marker(pytest.mark.flaky(reruns=1))
             item.add_marker(pytest.mark.timeout(600))
 

@@ -567,11 +567,12 @@ def test_a_fifo_into_which_nobody_writes_is_an_empty_spec(tmp_path):
     os.mkfifo(tmp_path / "movie.toml")
     assert "movie.toml: title: missing" in refused(["movie", "movie.toml"], tmp_path)
     writes = os.open(tmp_path / "movie.toml", os.O_RDWR)  # as `povgen movie <(...)`
-    os.write(writes, b"title = 3")
+    os.write(writes, b"title")
 
     def close():
         while select.select([writes], [], [], 0)[0]:  # the text has not been read yet
             time.sleep(0.01)
+        os.write(writes, b" = 3")
         os.close(writes)
 
     thread = threading.Thread(target=close)

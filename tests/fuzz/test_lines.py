@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from fuzz.conftest import SPEC, cases, tried
 from fuzz.values import COMMANDS, OPTIONS, SDL, lines, parameters
 
-pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
 # arguments of commands; another one is a scene's name
 NEEDED = {"spec": "spec.toml", "what": "info", "numbers": "1", "file": "recorded.png"}
 

@@ -12,8 +12,6 @@ from povgen import MovieSpec
 from povgen.scene.scenes import SCENES
 from povgen.scene.spec import Sweep
 
-pytestmark = pytest.mark.xdist_group("fuzz")  # in one process, because `place` takes long
-
 LITERALS = [
     *("nan", "inf", "0", "-0.0", "1e308", "1e400", "5e-324", "9" * 400, "0x" + "f" * 5000, "10001", "true", "null"),
     *("1979-05-27", "07:32:00", "[]", "[1]", "[[1]]", "[1, 2, 3]", "[true, -1]", "[nan, -1]", '["0", "-1"]', "[{}]"),

@@ -21,7 +21,6 @@ from povgen.rendering import gl_runner
 from povgen.rendering.auto import GL_PRISM_SAMPLINGS, IDEAL_SAMPLINGS, PRISM_SAMPLINGS, RENDERERS, Tolerance, choose
 from povgen.settings import QUALITIES
 
-pytestmark = pytest.mark.xdist_group("choice")  # in one process, which renders the costly pictures once
 CHART = PROJECT / "docs" / "chart" / "frames.csv"
 SIZE = (240, 180)  # of the pictures in which positions are found
 STANDARD = Rendering(size=(320, 240))

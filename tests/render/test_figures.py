@@ -14,7 +14,6 @@ from povgen.paper.figures import FIGURES, save_figure
 from povgen.rendering.frames import read_png
 from povgen.settings import Rendering
 
-pytestmark = pytest.mark.xdist_group("figures")  # one process makes the figures
 LINE_DRAWINGS = {1, 2, 5}  # the others have many frames: they are made with the release
 # The smallest pictures at which the coded piece is still measured to 2 degrees.
 FRAME, MEASURED = (96, 72), (160, 120)

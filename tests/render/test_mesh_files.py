@@ -1,5 +1,6 @@
 """Pieces from mesh files: their size and place, and files that are refused."""
 
+import base64
 import json
 import re
 import struct
@@ -129,7 +130,7 @@ def test_size_and_place(kind, tmp_path):
 def test_as_large_as_it_can_be(tmp_path):
     """The file says so. In this one, y points up, and z towards the eye."""
     path = tmp_path / "model.obj"
-    path.write_bytes(obj() + b"\nl 1 2")
+    path.write_bytes(obj(CORNERS + np.eye(4)[:, :1] * (0.5, 0.5, 0)) + b"\nl 1 2")  # one corner is nearer to the axis
     scene = Chess(piece=path)
     x, y, z = points(scene.piece).T
     assert np.hypot(x, z).max() == pytest.approx(0.5, abs=1e-5) and y.min() == 0
@@ -166,6 +167,7 @@ def relative(data):
 
 SIZES = np.array([4, 2, 3])
 STRIP, FAN = [0, 2, 1, 3, 0, 2], [0, 2, 1, 3, 2]
+NUMBERS = np.float32(CORNERS).tobytes() + np.uint32(FACES).tobytes()  # of glb()
 
 
 @pytest.mark.parametrize(
@@ -212,6 +214,7 @@ STRIP, FAN = [0, 2, 1, 3, 0, 2], [0, 2, 1, 3, 2]
             ),
         ),
         ("glb", glb(faces=STRIP, part={"mode": 5})),
+        ("glb", glb(buffers=[{"uri": "data:;base64," + base64.b64encode(NUMBERS).decode()}])),
         (
             "glb",
             glb(

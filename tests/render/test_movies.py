@@ -16,7 +16,6 @@ from povgen import InputError, info, movie
 from povgen.record import Record
 from povgen.video import encode, still
 
-pytestmark = pytest.mark.xdist_group("movies")  # one process makes the movies
 SIZE = (96, 72)
 
 

@@ -294,6 +294,7 @@ def test_what_is_refused(tmp_path):
         ({"floor": damaged(tmp_path, b"P6 1 1 255 abc")}, "should be a whole picture: PNG, JPEG, WEBP, TIFF"),
         ({"floor": tmp_path / "own.gif"}, "should be a whole picture: PNG"),
         ({"floor": f"{path},width=0"}, "should have a width from 0.1 to 1000 tiles, not width=0"),
+        ({"floor": f"{path},width=1001"}, "not width=1001"),
         ({"sky": {"path": "x", "name": '"', "size": (2, 1), "mean": (0, 0, 0)}}, "should be a picture's file"),
     ):
         with pytest.raises(InputError, match=said) as caught:

@@ -7,7 +7,7 @@ import zlib
 
 import numpy as np
 import pytest
-from conftest import run_povgen, some
+from conftest import povgen, some
 
 from povgen import InputError, PovrayError
 from povgen.inputs.pieces import PIECES, PieceFile
@@ -109,10 +109,10 @@ def test_a_field_is_kept_in_the_cache(monkeypatch):
 def test_the_cache_of_fields(monkeypatch, tmp_path):
     """A damaged field is measured again. No field is kept above the cache's limit, or in a folder of another."""
     monkeypatch.setenv("POVGEN_CACHE", str(tmp_path / "cache"))
-    pieces = {"own": PieceFile("own.inc", "#declare Piece = sphere { 0.3*y, 0.3 }\n")}
+    pieces = {"own": PieceFile("own.inc", "#declare Piece = sphere { 0.3*y, 0.3 }\n"), "king": "king"}
     made = volumes.volumes(pieces)
     ((_, _, kept),) = cache.by_last_use()
-    assert run_povgen("cache", "info", cwd=tmp_path).stdout.startswith("0 frames, 1 ray traces and pieces, ")
+    assert povgen(["cache", "info"], tmp_path)[1].startswith("0 frames, 1 ray traces and pieces, ")
     whole = kept.read_bytes()
     kept.write_bytes(whole[:-9])
     assert volumes.volumes(pieces) == made and kept.read_bytes() == whole
@@ -124,15 +124,21 @@ def test_the_cache_of_fields(monkeypatch, tmp_path):
         volumes.volumes(pieces)
 
 
-def test_an_empty_piece_is_refused():
-    for nothing_solid in (
-        "sphere { 3*x, 0 }",
-        "disc { 0.5*y, <0.3, 0.2, 1>, 0.4 }",
-        "triangle { x/3, y, -x/3 }",
-        "box { -0.4, <0.4, 1, -0.399> }",
-    ):
-        with pytest.raises(InputError, match="'own.inc': no solid part thicker than"):
-            own(nothing_solid)
+@pytest.mark.parametrize(
+    "nothing_solid",
+    some(
+        [
+            "disc { 0.5*y, <0.3, 0.2, 1>, 0.4 }",
+            "sphere { 3*x, 0 }",
+            "triangle { x/3, y, -x/3 }",
+            "box { -0.4, <0.4, 1, -0.399> }",
+        ],
+        1,
+    ),
+)
+def test_an_empty_piece_is_refused(nothing_solid):
+    with pytest.raises(InputError, match="'own.inc': no solid part thicker than"):
+        own(nothing_solid)
 
 
 def test_a_piece_with_too_many_surfaces_is_refused(monkeypatch):

@@ -119,20 +119,20 @@ def options(command):
     return set(re.findall(r"(?<![\w-])--?[a-z][\w-]*", text))
 
 
-@cache
-def target_exists(target):
-    """Whether make knows a target. A dry run of make reads the whole Makefile, so each is asked for once."""
-    return not subprocess.run(["make", "--dry-run", *target], cwd=PROJECT, capture_output=True).returncode
-
-
 @pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "CHANGELOG"], ids=name)  # it has old ones too
 def test_commands_exist(page):
     for first, *rest in commands(page):
         if first == "povgen":
             used = {word.partition("=")[0] for word in rest if re.match("--?[a-z]", word)}
             assert used <= (options(rest[0]) if rest[0] in COMMANDS else {"--help", "--version"}), rest
-        else:
-            assert target_exists(tuple(rest[1:] if first == "time" else rest)), rest
+
+
+def test_make_knows_the_targets():
+    """All in one dry run, which reads the whole Makefile."""
+    lines = [line for page in PAGES if page.stem != "CHANGELOG" for line in commands(page) if line[0] != "povgen"]
+    targets = {word for line in lines for word in line if word not in ("make", "time") and "=" not in word}
+    done = subprocess.run(["make", "--dry-run", *targets], cwd=PROJECT, capture_output=True, text=True)
+    assert len(targets) > 10 and done.returncode == 0, done.stderr
 
 
 def test_every_command_is_documented():

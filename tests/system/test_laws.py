@@ -14,7 +14,6 @@ from povgen.optics import apparent
 from povgen.scene import camera
 from povgen.sheets import IDEAL, OTHER
 
-pytestmark = pytest.mark.xdist_group("laws")
 SIZE = (120, 90)
 SCENES = [Directions(sheet=name, eye=(0.4, -0.3), **values) for name in IDEAL for values in IDEAL[name].examples]
 IDS = [f"{scene.sheet}-{n}" for n, scene in enumerate(SCENES)]

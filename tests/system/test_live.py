@@ -22,7 +22,6 @@ from povgen.objects.window import Window
 from povgen.scene.room import Eye, Room
 from povgen.scene.survey import max_trace_level
 
-pytestmark = [pytest.mark.xdist_group("live"), pytest.mark.timeout(600)]
 SIZE = (160, 120)
 
 

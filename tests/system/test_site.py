@@ -15,7 +15,7 @@ from conftest import NAMES, PROJECT
 import povgen
 from povgen.measure.browser import chromium
 
-pytestmark = [pytest.mark.xdist_group("site"), pytest.mark.release]  # to make the site takes a minute
+pytestmark = pytest.mark.release  # to make the site takes a minute
 AA = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"], "resultTypes": ["violations"]}
 
 

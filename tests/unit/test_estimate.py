@@ -70,12 +70,15 @@ def test_what_costs_more(monkeypatch):
         ("detailed", 320, "1,0.1,3", 7.7),
         ("ideal", 640, "1,0.1,3", 2.3),
         ("ideal", 640, "1,0.3,2", 1.23),
+        ("detailed", 320, "1,0.3,2", 3.5),
     ):
         found, off = (
             estimate.rays([Chess(sheet=sheet)], Rendering(antialias=each, size=(width, width * 3 // 4)))
             for each in (antialias, "off")
         )
         assert found / off == pytest.approx(measured, rel=0.3), (sheet, antialias)
+    mixed, sampling = [Chess(), Chess(sheet="none")], Rendering(size=(640, 480))
+    assert estimate.rays(mixed, sampling) == 2 * estimate.rays(mixed[:1], sampling)  # all have that of the prisms
 
 
 def test_a_time_in_words():

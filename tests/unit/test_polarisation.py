@@ -96,7 +96,7 @@ def test_light_that_is_unpolarised_after_every_face(rng):
     assert R == pytest.approx((0.0920 + 0.0085) / 2, abs=1e-4)
     assert mean_transmission([0, 0, -1], [0, 0.5], prism) == pytest.approx((1 - R) ** 4)
     direction = np.column_stack((rng.uniform(-0.15, 0.15, (50, 2)), -np.ones(50)))
-    for angle in (0.0, 0.7):
+    for angle, shape in ((0.0, prism), (0.7, prism), (0.7, Prism(0.02, base_angle=50))):
         # of one sheet: (s^2 + p^2)/2 passes twice; jones gives (s^4 + p^4)/2, which is larger by ((s^2 - p^2)/2)^2
-        single, both = mean_transmission(direction, [angle], prism), transmission(jones(direction, [angle], prism))
+        single, both = mean_transmission(direction, [angle], shape), transmission(jones(direction, [angle], shape))
         assert (both >= single - 1e-12).all() and (both < single + 0.01).all()

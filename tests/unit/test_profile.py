@@ -66,7 +66,7 @@ def test_a_wrong_profile_is_refused(text, message):
     assert "\n" not in str(error.value)
 
 
-def test_a_profile_in_another_unit_of_length():
+def test_a_profile_in_another_unit_of_length_without_a_gap_and_with_slanted_arcs():
     text = LENS
     for old, new in (
         ("[1, 0]]", "[0.4, 0]]"),
@@ -78,6 +78,9 @@ def test_a_profile_in_another_unit_of_length():
     same, scaled = read(LENS), read("period = 0.4\ngap = 0.004\n" + text)
     np.testing.assert_allclose([edge.start for edge in scaled.edges], [edge.start for edge in same.edges], atol=1e-12)
     assert scaled.length == pytest.approx(same.length, rel=1e-12) and scaled.gap == pytest.approx(same.gap)
+    assert read("gap = 0\n" + LENS).gap == 0
+    bulging = read(PRISM.replace("}]", ", radii = [0, 2, -3] }]")).edges
+    assert [np.hypot(*np.subtract(edge.centre, edge.end)) for edge in bulging[1:]] == pytest.approx([2, 3])
 
 
 def test_the_constructors_refuse_what_does_not_fit():

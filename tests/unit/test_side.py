@@ -55,6 +55,8 @@ def test_an_image_has_its_own_size(scene, size):
     assert image.tip - image.place == pytest.approx(size * (thing.tip - thing.place))
     for _, ((z0, y0), (z1, y1), *_) in rays(scene):
         assert y0 + (y1 - y0) * (image.z - z0) / (z1 - z0) == pytest.approx(image.tip)
+    wide = (side.side_view(scene, *SIZE) == side.IMAGE).all(-1).sum(1)
+    assert wide[np.flatnonzero(wide)[-1 if size < 0 else 0]] < wide.max() / 2  # the arrow ends in a point there
     sphere = Spheres(
         **scene.model_dump(include={"sheet", "focal_length", "window", "object_focal_length"}), z1=[scene.z1]
     )
@@ -125,7 +127,7 @@ def test_of_several_objects_those_that_are_shown_count():
     """What is too far to be shown may come first."""
     one, other = (side.side_view(Spheres(alpha=66, z1=z1), *SIZE) for z1 in ((100, 2), (2, 100)))
     assert (one == other).all()
-    far, near = (Chess(alpha=180, z1=z1, x=x) for z1, x in (((100, 2), (0.5, 0)), ((2, 100), (0, 0.5))))
+    far, near = (Chess(alpha=180, z1=z1, x=x) for z1, x in (((27, 2), (0.5, 0)), ((2, 27), (0, 0.5))))
     assert rays(far) == rays(near) and rays(far)[0][1][-1][0] == 2
 
 
@@ -148,6 +150,7 @@ def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
             texts.clear()
             side.side_view(scene, width, SIZE[1])
             assert {text for _, text, *_ in texts} == expected
+            assert max((y, -x, text) for x, text, _, y in texts)[2] == "eye"  # below, on the left
             for line in {y for *_, y in texts}:
                 ends = sorted((x, x + size * side.text_width(text)) for x, text, size, y in texts if y == line)
                 assert ends[0][0] >= 0 and ends[-1][1] <= width
