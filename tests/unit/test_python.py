@@ -47,7 +47,7 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: Spheres(z1=[]), ["z1 = []"]),
         (lambda: Rendering(size=(1, 1)), ["size = (1, 1)", "32"]),
         (lambda: MovieSpec(title="a"), ["missing"]),
-        (lambda: MovieSpec(**MOVIE | {"sweep": [{"parameter": "alpha", "start": "x"}]}), ["}]: start = 'x': should"]),
+        (lambda: MovieSpec(**MOVIE | {"sweep": [{"parameter": "alpha", "start": "x"}]}), ["}: start = 'x': should"]),
         (lambda: MovieSpec.load(3), ["3: no movie spec"]),
         (lambda: MovieSpec.parse(b"", "a"), ["a: not TOML: b''; allowed: text"]),
         (lambda: MovieSpec.of_sweeps("chess", [3], {}), ["sweep = 3", "NAME=START:STOP"]),
@@ -212,7 +212,7 @@ def test_repr_shows_what_differs_from_the_default():
     assert repr(Chess(alpha="90", sheet="ideal")) == "Chess(alpha=90.0, sheet='ideal')"
     assert repr(Rendering(quality="high")) == "Rendering(quality='high')"
     window = Chess(window="alpha=120,z=2", x=[0, 1])
-    assert repr(window) == "Chess(window=(Window(alpha=120.0, z=2.0),), x=(0.0, 1.0))"
+    assert repr(window) == "Chess(window=(FurtherWindow(alpha=120.0, z=2.0),), x=(0.0, 1.0))"
 
 
 def test_the_options_for_type_checkers_are_those_of_a_rendering():

@@ -192,7 +192,7 @@ def test_the_numbers_of_a_window_are_swept():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[[window]]\nalpha = 1\n", "a.toml: window = [{'alpha': 1}]: z: missing"),
+        ("[[window]]\nalpha = 1\n", "a.toml: window = {'alpha': 1}: z: missing"),
         (
             "[[window]]\nalpha = 1\nz = 2\n[fixed]\nwindow = 3\n",
             "window: stated twice, also in the table [fixed]; allowed: only",
