@@ -8,15 +8,15 @@ from povgen.rendering import gl_runner, gl_scene
 from povgen.rendering.frames import read_png
 from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
-from povgen.scene.scene import checked_scene
-from povgen.scene.scenes import AxialScene, pieces
+from povgen.scene.scene import Scene, checked_scene
+from povgen.scene.scenes import pieces
 from povgen.settings import Rendering
 
 Size = tuple[int, int]  # width and height, pixels
 TIMEOUT = 600.0  # seconds for a picture
 
 
-def points(scene: AxialScene, size: Size) -> NDArray[np.float32]:
+def points(scene: Scene, size: Size) -> NDArray[np.float32]:
     """Return the point in space that each pixel of a picture shows: x, y and z, in tiles, (height, width, 3).
 
     z is the depth behind the first window. The points are NaN for the sky, and where no light arrives. `size` is the
@@ -36,12 +36,12 @@ class OpenGLView:
     `set`, `readout` and `picture` take and return the same as those of `browser.View`.
     """
 
-    def __init__(self, scene: AxialScene) -> None:
+    def __init__(self, scene: Scene) -> None:
         """Raises InputError if this system cannot draw with OpenGL."""
         gl_runner.device()
         self.set(scene)
 
-    def set(self, scene: AxialScene) -> None:
+    def set(self, scene: Scene) -> None:
         """Show another scene."""
         self._scene, self._shapes = scene, volumes(pieces(scene))
 

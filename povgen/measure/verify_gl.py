@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from povgen.measure import probes
+from povgen.measure import probes, verify_rooms
 from povgen.measure.compare import window_rays
 from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.opengl import OpenGLView
@@ -74,6 +74,7 @@ def checks() -> Iterator[Measured]:
     for sheet in ("none", "ideal", "detailed"):
         yield from pictures(sheet, [scene.replace(sheet=sheet) for scene in SCENES])
     yield from pictures("other ideal sheets", OTHER_SCENES)
+    yield from verify_rooms.checks()
     yield from costs()
 
 

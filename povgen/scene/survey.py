@@ -91,8 +91,9 @@ def _of_room(given: RoomInputs, count: int = 3600) -> Survey:
         points = rng.uniform(-0.5, 0.5, (count, 3)) * (*opening.outline[:2], 0)
         places, _ = opening.pose.scene(points, points)
         found = trace_windows(Bundle(given.eye, places - given.eye), given.openings, MAX_FACES)
-        lost = int(MAX_LOST_FRACTION * count) + 1
-        level = max(level, int(np.sort(np.where(found.end == trace.End.FRAME, 0, found.count))[-lost]) + 1)
+        faces = np.where(found.end == trace.End.FRAME, 0, found.count)
+        lost = max(1, int(0.8 * MAX_LOST_FRACTION * (found.count > 0).sum()))  # 0.8 is a margin, as in `_level`
+        level = max(level, int(np.sort(faces)[-lost]) + 1)
         designed = max(designed, float(found.designed.mean()))
     return Survey(min(level, MAX_FACES), designed)
 

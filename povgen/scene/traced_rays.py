@@ -21,6 +21,7 @@ from povgen.limits import MAX_FACES
 from povgen.optics.equations import Floats
 from povgen.optics.rays import Opening, paths
 from povgen.scene.camera import Camera, Size
+from povgen.sheets.none import NoSheet
 
 HOLD_OUT = (0.37109375, 0.171875, 0.6171875)  # of ideal windows: light that 16 bits hold; nothing else has it
 COLUMNS = 1000  # of POV-Ray's picture
@@ -105,7 +106,7 @@ def file(openings: Sequence[Opening], camera: Camera, tile: int) -> File | None:
 
     None without ideal sheets: POV-Ray's own camera then shows the room.
     """
-    if all(opening.sheet.layers_at(0.0, 0) or opening.sheet.name == "none" for opening in openings):
+    if all(opening.sheet.layers_at(0.0, 0) or isinstance(opening.sheet, NoSheet) for opening in openings):
         return None
     content = dumps(Rays(tuple(openings), camera, tile))
     return pictures.kept(f"rays-{sha256(content).hexdigest()}.inc", content)
