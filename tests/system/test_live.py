@@ -122,16 +122,6 @@ def test_the_view_shows_another_scene_as_opengl(browser):
     view.page.close()
 
 
-def test_a_piece_of_ones_own(browser, tmp_path):
-    file = tmp_path / "ball.inc"
-    file.write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
-    scene = Chess(piece=str(file), sheet="none")
-    view = View(browser, scene)
-    shown, drawn = (each.readout(SIZE)["shown"][..., 0] for each in (view, OpenGLView(scene)))
-    assert (shown == drawn).mean() > 0.999 and (shown == 3).sum() > 250  # OBJECT in windows.glsl
-    view.page.close()
-
-
 # ---- The page ----
 
 

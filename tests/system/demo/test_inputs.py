@@ -34,7 +34,10 @@ def test_sliders_of_other_sheets(page):
 
 def test_numbers_are_typed_and_sliders_moved(page):
     page.get_by_label("the light is turned by").last.fill("90")
-    expect(page.locator("#value-nu")).to_have_text(f"{np.degrees(equations.nu(3, np.pi / 2)):.1f}°")
+    P, nu, M = (each(3, np.pi / 2) for each in (equations.P, equations.nu, equations.M))
+    numbers = {"r": "3.000", "P": f"{P.real:.3f} − {-P.imag:.3f} i", "nu": f"{np.degrees(nu):.1f}°", "M": f"{M:.4g}"}
+    for name, text in numbers.items():
+        expect(page.locator(f"#value-{name}")).to_have_text(text)
     assert page.evaluate("$('slider-alpha').value") == "90"
     page.locator("#slider-z2").focus()
     before = page.evaluate("moment().z2")
