@@ -11,7 +11,7 @@ from povgen.optics.rays import Opening
 from povgen.scene import shader
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, Chess, pieces
+from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, pieces
 from povgen.scene.survey import max_trace_level
 from povgen.sheets.parameters import design_index
 from povgen.sheets.profile import ProfileSheets
@@ -39,9 +39,8 @@ def _preset(scene: AxialScene) -> dict[str, Any]:
     found = scene.model_dump()
     for sheet, own in zip(scene.sheets, (found, *found["window"]), strict=True):
         own |= _made(sheet, found | {name: value for name, value in own.items() if value is not None})
-    if isinstance(scene, Chess):
-        colors = scene.color if isinstance(scene.color, tuple) else (scene.color,)
-        found["color"] = [rgb(color) for color in colors]
+    if scene.pieces:
+        found["color"] = [rgb(piece.color) for piece in scene.pieces]
         found["pedestal_halves"] = {str(piece.piece): piece.radius + PEDESTAL_EDGE for piece in scene.pieces}
     return found
 

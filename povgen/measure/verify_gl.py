@@ -159,11 +159,11 @@ def shows_the_same(view: OpenGLView, scene: AxialScene, size: Size) -> Mask:
     """
     variants = [scene, scene.replace(background="white"), scene.replace(background="black")]
     count = 0
-    if isinstance(scene, Chess):
+    if scene.pieces:
         # in each picture one piece is green and the others are orange; in the last picture all are orange
         count = len(scene.pieces)
         colours = [["#008000" if n == k else "#ff8000" for n in range(count)] for k in range(count + 1)]
-        variants += [scene.replace(color=tuple(several)) for several in colours]
+        variants += [scene.model_copy(update={"color": tuple(several)}) for several in colours]
     plain, white, black, *coloured = (picture.astype(int) for picture in rendered(variants, size))
     found = view.picture(size, SHADOW_RAYS, part=0)
     read = view.readout(size)["shown"][..., 0]

@@ -50,6 +50,16 @@ AnyModel = TypeVar("AnyModel", bound=Model)
 PEDESTAL_EDGE = 0.03  # how far a pedestal extends beyond the piece's foot, tiles
 
 
+class Standing(NamedTuple):
+    """A piece on its pedestal. Lengths are in tiles."""
+
+    piece: str | PieceFile
+    x: float
+    z1: float
+    color: str
+    radius: float  # of the foot
+
+
 class AxialScene(Predicted):
     """A scene whose windows stand one behind the other on one axis."""
 
@@ -60,6 +70,11 @@ class AxialScene(Predicted):
 
         @property
         def objects(self) -> tuple[tuple[complex, float], ...]: ...
+
+    @property
+    def pieces(self) -> tuple[Standing, ...]:
+        """Every chess piece."""
+        return ()
 
     @property
     def distances(self) -> tuple[float, ...]:
@@ -123,16 +138,6 @@ class AxialScene(Predicted):
         if "view" not in self.model_fields_set:
             object.__setattr__(self, "view", self.default_view)  # the model is frozen
         return self
-
-
-class Standing(NamedTuple):
-    """A piece on its pedestal. Lengths are in tiles."""
-
-    piece: str | PieceFile
-    x: float
-    z1: float
-    color: str
-    radius: float  # of the foot
 
 
 class Chess(AxialScene):

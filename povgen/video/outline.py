@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from povgen.inputs.pieces import PieceFile
 from povgen.rendering.volumes import GRID, MOST, Volume, volumes
-from povgen.scene.scenes import Chess
+from povgen.scene.scenes import AxialScene
 
 FINEST = 16  # points of an outline between two voxels, at most
 _measuring = Lock()
 
 
-def outlines(scene: Chess, step: float) -> NDArray[np.complex128]:
+def outlines(scene: AxialScene, step: float) -> NDArray[np.complex128]:
     """Return points of the outlines with which the pieces appear in the plane z = 0: x + iy, tiles, about `step` apart.
 
     Points that are not visible in the window are left out. Raises PovrayError if POV-Ray is missing and a piece is not

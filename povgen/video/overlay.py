@@ -15,7 +15,7 @@ from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
 from povgen.scene.scene import Scene, object_images
-from povgen.scene.scenes import AxialScene, Chess
+from povgen.scene.scenes import AxialScene
 from povgen.settings import Rendering
 from povgen.video.captions import Caption, captions
 from povgen.video.outline import outlines
@@ -75,10 +75,9 @@ def annotated(
     made[: len(above)], made[len(above) + height :] = above, below
     shown = made[len(above) : len(above) + height]
     shown[:] = picture
-    if isinstance(scene, Chess):
+    if isinstance(scene, AxialScene):
         for outline in scene.outlines:
             _outline(scene, outline, shown)
-    if isinstance(scene, AxialScene):
         if rendering.annotated:
             _sheet_line(scene, shown)
         if rendering.overlay:
@@ -272,12 +271,13 @@ def _sheet_line(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
         _discs(picture, points, radius * thick, colour)
 
 
-def _outline(scene: Chess, outline: str, picture: NDArray[np.uint8]) -> None:
+def _outline(scene: AxialScene, outline: str, picture: NDArray[np.uint8]) -> None:
     """Draw the outlines of the pieces: where they are predicted, or where the eye sees them without sheets."""
     if outline == "direct_image":
         # the windows remain, without their sheets, because z1 is the distance from the last one
         empty = [{"z": window.z, "sheet": "none"} for window in scene.window]
-        scene = scene.replace(sheet="none", window=empty, predicted_image=False, view=scene.view)
+        changes = {"sheet": "none", "window": empty, "predicted_image": False, "view": scene.view}
+        scene = scene.model_copy(update=changes)
     thick = max(len(picture) / 260, 1.2)
     step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
     points = _pixels(outlines(scene, step), scene, picture)

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 from povgen.inputs.fields import MAX_ASIDE
 from povgen.optics import apparent
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene, Chess
+from povgen.scene.scenes import AxialScene
 from povgen.video import plan
 from povgen.video.plan import Plan
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
@@ -115,7 +115,7 @@ def _shown(scene: AxialScene, from_above: bool = False) -> tuple[list[Shown], li
 
     The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
     """
-    most, last, is_chess = FARTHEST * scene.z2, scene.places[-1], isinstance(scene, Chess)
+    most, last, is_chess = FARTHEST * scene.z2, scene.places[-1], bool(scene.pieces)
     shown, high = [], [scene.aperture / 2]
     for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
         if z1 <= most:
