@@ -216,5 +216,9 @@ class Room(Scene):
             raise ValueError(f"name = {shown(twice)}: two things have it; allowed: different names")
         # the model is frozen
         object.__setattr__(self, "window", tuple(checks.with_index(each, self.wavelength) for each in self.window))
+        if self.fresnel and self.has_prisms and self.rays_file:
+            raise ValueError(
+                "fresnel = true: not with ideal sheets in the room, where rays would split; allowed: false"
+            )
         checks.check_apart(self.things, self.camera.eye)
         return self

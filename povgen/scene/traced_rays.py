@@ -19,6 +19,7 @@ from povgen.inputs.hdr import Light
 from povgen.inputs.pictures import File
 from povgen.limits import MAX_FACES
 from povgen.optics.equations import Floats
+from povgen.optics.faces import Indices
 from povgen.optics.rays import Opening, paths
 from povgen.scene.camera import Camera, Size
 from povgen.sheets.none import NoSheet
@@ -26,6 +27,7 @@ from povgen.sheets.none import NoSheet
 HOLD_OUT = (0.37109375, 0.171875, 0.6171875)  # of ideal windows: light that 16 bits hold; nothing else has it
 COLUMNS = 1000  # of POV-Ray's picture
 BAND = 1000 * COLUMNS  # rays that POV-Ray gets at once: it needs 0.3 GB for them
+AT_ONCE = 200_000  # rays that are traced at once
 PART = 200_000  # vectors that become text at once
 DIGITS, DECIMALS = 12, 3  # of a number in the table, and after its point
 
@@ -49,15 +51,15 @@ class Found(NamedTuple):
     @classmethod
     def of(cls, rays: Rays, size: Size) -> "Found":
         """Follow the rays of a picture of this size."""
-        eyes = rays.camera.rays(size)
-        parts = paths(eyes, rays.openings, MAX_FACES)
-        count = size[0] * size[1]
-        return cls(
-            size,
-            np.concatenate((np.arange(count), *(i for i, _, _ in parts))),
-            np.concatenate((eyes.position.reshape(-1, 3), *(p for _, p, _ in parts))),
-            np.concatenate((eyes.direction.reshape(-1, 3), *(d for _, _, d in parts))),
-        )
+        pixels = rays.camera.pixels(size).ravel()
+        legs: list[list[tuple[Indices, Floats, Floats]]] = []
+        for first in range(0, len(pixels), AT_ONCE):
+            eyes = rays.camera.through(pixels[first : first + AT_ONCE])
+            there = (np.arange(len(eyes)), eyes.position, eyes.direction)
+            for leg, (i, position, direction) in enumerate([there, *paths(eyes, rays.openings, MAX_FACES)]):
+                legs += [[] for _ in range(len(legs), leg + 1)]
+                legs[leg].append((first + i, position, direction))
+        return cls(size, *map(np.concatenate, zip(*(part for leg in legs for part in leg), strict=True)))
 
     def bands(self, tile: int) -> Iterator[tuple[int, int, bytes]]:
         """Yield how many rays POV-Ray gets at once, in how many rows of COLUMNS rays, and their table as text.
