@@ -214,6 +214,8 @@ def _overlap(a: Solid, b: Solid) -> float:
     By the theorem of the separating axis: normals of both boxes' faces, and their cross products.
     """
     (p, u, g), (q, v, h) = a, b
+    if np.linalg.norm(q - p) >= np.linalg.norm(g) + np.linalg.norm(h):  # the spheres around them do not
+        return 0.0
     across = np.cross(u[:, None], v[None]).reshape(-1, 3)
     length = np.linalg.norm(across, axis=1, keepdims=True)
     axes = np.concatenate((u, v, across[length[:, 0] > 1e-9] / length[length[:, 0] > 1e-9]))

@@ -190,6 +190,11 @@ class MovieSpec(Model):
         return self
 
     @cached_property
+    def _base(self) -> Scene:
+        """The scene of the fixed parameters alone."""
+        return SCENES[self.scene](**self.fixed)
+
+    @cached_property
     def _fields(self) -> dict[str, FieldInfo]:
         """The fields of what can be swept, by its names in sweeps."""
         model = SCENES[self.scene]
@@ -197,7 +202,7 @@ class MovieSpec(Model):
         if issubclass(model, AxialScene):
             windows = FurtherWindow.model_fields | model.model_fields  # a whole number is one in the scene's fields
             return found | {name: windows[field] for name, (_, field) in WINDOW_NUMBERS.items()}
-        for name, part in model(**self.fixed).parts.items():
+        for name, part in self._base.parts.items():
             fields = type(part).model_fields
             found |= {f"{name}.{field}": fields[field] for field, n in swept_numbers(type(part)).items() if n == 1}
         return found
@@ -282,7 +287,7 @@ class MovieSpec(Model):
         spec = self.replace(fixed={**kept, **values})
         scene = spec.scenes("standard")[0]
         if scene.parts:  # the first frame's have swept numbers
-            scene = type(scene)(**spec.fixed)
+            scene = spec._base
         return spec.replace(fixed={name: getattr(scene, name) for name in spec.fixed})
 
     def scenes(self, quality: str) -> list[Scene]:
@@ -325,7 +330,7 @@ class MovieSpec(Model):
         try:
             if windows := {name: x for name, x in values.items() if name not in own | parts}:
                 own["window"] = self._windows(windows)
-            scene = model(**{**self.fixed, **own})
+            scene = model(**{**self.fixed, **own}) if own else self._base
             return scene.with_numbers(parts) if parts else scene
         except InputError as error:
             try:
