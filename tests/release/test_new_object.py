@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,55 +12,9 @@ import povgen
 from povgen.scene.sdl import TEMPLATES
 from povgen.scene.spec import MOVIES
 
-CONE = '''
-"""A cone."""
+DOCS = Path(__file__).parents[2] / "docs"
 
-from pydantic import Field
-
-from povgen.inputs.fields import Colour
-from povgen.objects.placed import Extent, Length
-from povgen.objects.scene_object import Parts, SceneObject, surface
-
-
-class Cone(SceneObject):
-    """A cone that stands on its base. Its place is the middle of the base."""
-
-    kind = "cone"
-    title = "cone"
-
-    radius: Length = Field(default=0.5, description="radius of the base, 0.01 to 1000 tiles")
-    height: Length = Field(default=1, description="height, 0.01 to 1000 tiles")
-    color: Colour = Field(default="#3a9d5d", description="colour: a name, or a code such as #c87529")
-
-    sdl = "cone { 0, {{ n }}Radius, {{ n }}Height*y, 0 " + surface("each.colour") + " }"
-    glsl = """
-float reach_cone(vec3 o, vec3 d, vec4 n, float most) {
-  float k = n.x / n.y, found = most;
-  k *= k;
-  vec3 p = o - vec3(0, n.y, 0);
-  float a = d.x * d.x + d.z * d.z - k * d.y * d.y, b = p.x * d.x + p.z * d.z - k * p.y * d.y;
-  float root = b * b - a * (p.x * p.x + p.z * p.z - k * p.y * p.y);
-  for (int side = -1; side <= 1 && root > 0.0; side += 2) {
-    float t = (-b + float(side) * sqrt(root)) / a, y = o.y + t * d.y;
-    if (t > 0.0 && t < found && y >= 0.0 && y <= n.y) found = t;
-  }
-  float base = -o.y / d.y;
-  vec2 at = o.xz + base * d.xz;
-  return base > 0.0 && base < found && dot(at, at) < n.x * n.x ? base : found;
-}
-vec3 normal_cone(vec3 p, vec4 n) {
-  return p.y < 1e-4 ? vec3(0, -1, 0) : normalize(vec3(p.x, (n.y - p.y) * n.x * n.x / (n.y * n.y), p.z));
-}
-Finish finish_cone(vec3 p, vec4 n, vec3 colour) { return PlainTexture(srgb(colour)); }
-"""
-
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:
-        return self.radius, self.height, 0, 0
-
-    @property
-    def box(self) -> Extent:
-        return (-self.radius, 0, -self.radius), (self.radius, self.height, self.radius)
-'''
+CONE = re.search("cat > povgen/objects/cone.py <<'END'\n(.*?)\nEND\n", (DOCS / "adding.md").read_text(), re.DOTALL)[1]
 DRAWN = """
 import json, sys
 import numpy as np
