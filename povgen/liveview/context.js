@@ -12,10 +12,9 @@ export class Context {
     this.scene = scene;
     this.shapes = shapes;
     this.failed = failed;
-    this.programs = {};
+    this.programs = {};    // by name and by what they are compiled for
     this.targets = {};
     this.textures = {};    // of the pictures
-    this.kinds = null;     // what the programs are compiled for
     this.parallel = gl.getExtension("KHR_parallel_shader_compile");
     gl.bindVertexArray(gl.createVertexArray());
   }
@@ -61,19 +60,10 @@ export class Context {
     gl.activeTexture(gl.TEXTURE0);
   }
 
-  // The program that a shader's main function belongs to. It is made anew if the number of objects has changed.
+  // The program that a shader's main function belongs to. There is one for each kind of scene that has been shown.
   program(name) {
-    const { gl } = this;
-    const kinds = defines(this.scene, this.shapes);
-    if (this.kinds !== kinds) {
-      for (const { program, shaders } of Object.values(this.programs)) {
-        gl.deleteProgram(program);
-        shaders.forEach((shader) => gl.deleteShader(shader));
-      }
-      this.programs = {};
-      this.kinds = kinds;
-    }
-    return (this.programs[name] ??= this.compile(kinds, name));
+    const kinds = name === "display" ? "" : defines(this.scene, this.shapes);
+    return (this.programs[name + kinds] ??= this.compile(kinds, name));
   }
 
   compile(kinds, name) {
@@ -128,7 +118,7 @@ export class Context {
     gl.useProgram(made.program);
     const setters = {
       [gl.FLOAT]: "uniform1fv", [gl.FLOAT_VEC2]: "uniform2fv", [gl.FLOAT_VEC3]: "uniform3fv", [gl.FLOAT_VEC4]: "uniform4fv",
-      [gl.INT]: "uniform1iv", [gl.INT_VEC2]: "uniform2iv", [gl.BOOL]: "uniform1iv", [gl.SAMPLER_2D]: "uniform1iv", [gl.SAMPLER_3D]: "uniform1iv",
+      [gl.INT]: "uniform1iv", [gl.BOOL]: "uniform1iv", [gl.SAMPLER_2D]: "uniform1iv", [gl.SAMPLER_3D]: "uniform1iv",
     };
     const values = { ...(name === "display" ? {} : uniforms(this.scene, this.shapes)), ...others };
     for (const [key, { place, type }] of Object.entries(this.uniforms(made))) {

@@ -2,6 +2,7 @@
 // positive.
 
 uniform int kind[WINDOWS];                       // of the sheet in each window: a number in `bent`; -1: prisms; -2: none
+#ifdef LAWS
 uniform float constants[WINDOWS * CONSTANTS];    // of each window's law: what depends on its parameters alone
 
 vec3 bent(vec3 d, vec2 place, int number) {
@@ -18,6 +19,7 @@ vec3 bent(vec3 d, vec2 place, int number) {
   return found.z > 1e-6 * length(found) ? normalize(found) : vec3(0, 0, -1);
 }
 
+#ifdef FROM_BEHIND
 // The slope x/z, y/z behind a sheet of a ray that has the slope `before` it. Far from 0 where no light passes.
 vec2 slopeBehind(vec2 before, vec2 place, int number) {
   vec3 d = bent(normalize(vec3(before, 1)), place, number);
@@ -40,3 +42,5 @@ vec3 bentFromBehind(vec3 d, vec2 place, int number) {
   }
   return off < 1e-4 ? -normalize(vec3(slope, 1)) : vec3(0, 0, 1);  // (0, 0, 1): no light
 }
+#endif
+#endif

@@ -1,7 +1,8 @@
 // The objects, and where a ray meets them. Lengths are in tiles.
 //
 // An object has coordinates of its own (povgen/objects/), from its place, along its axes. The functions of each kind of
-// object, reach_KIND and others, are in that kind's file.
+// object, reach_KIND and others, are in that kind's file. ALL_KIND has the numbers of its objects: from the first up to the
+// second.
 
 #if OBJECTS > 0
 uniform vec3 objectPlace[OBJECTS];
@@ -13,8 +14,7 @@ uniform mat3 objectAxes[OBJECTS];      // the axes of each object: its columns
 #endif
 
 {% for name, text in objects.items() %}
-{{ "#if OBJECTS > 0 && defined(HAS_%s)" | format(name.upper()) }}
-uniform ivec2 all_{{ name }};  // the numbers of the objects of this kind: from the first, and up to the second
+{{ "#ifdef ALL_%s" | format(name.upper()) }}
 {{ text.strip() }}
 #endif
 {% endfor %}
@@ -32,8 +32,8 @@ vec3 toObject(int k, vec3 v) {
 int objectMet(vec3 o, vec3 d, inout float most) {
   int met = -1;
 {% for name in objects %}
-{{ "#ifdef HAS_%s" | format(name.upper()) }}
-  for (int k = all_{{ name }}.x; k < all_{{ name }}.y; k++) {
+{{ "#ifdef ALL_%s" | format(name.upper()) }}
+  for (int k = ALL_{{ name | upper }}.x; k < ALL_{{ name | upper }}.y; k++) {
     float t = reach_{{ name }}(toObject(k, o - objectPlace[k]), toObject(k, d), objectNumbers[k], most);
     if (t < most) {
       most = t;
@@ -52,8 +52,8 @@ vec3 normalOf(int k, vec3 p) {
   vec4 n = objectNumbers[k];
   vec3 found = vec3(0, 0, 1);
 {% for name in objects %}
-{{ "#ifdef HAS_%s" | format(name.upper()) }}
-  if (isIn(all_{{ name }}, k)) found = normal_{{ name }}(p, n);
+{{ "#ifdef ALL_%s" | format(name.upper()) }}
+  if (isIn(ALL_{{ name | upper }}, k)) found = normal_{{ name }}(p, n);
 #endif
 {% endfor %}
 #ifdef TURNED_OBJECTS
@@ -67,8 +67,8 @@ Finish materialOf(int k, vec3 p) {
   p = toObject(k, p - objectPlace[k]);
   vec4 n = objectNumbers[k];
 {% for name in objects %}
-{{ "#ifdef HAS_%s" | format(name.upper()) }}
-  if (isIn(all_{{ name }}, k)) return finish_{{ name }}(p, n, objectColour[k]);
+{{ "#ifdef ALL_%s" | format(name.upper()) }}
+  if (isIn(ALL_{{ name | upper }}, k)) return finish_{{ name }}(p, n, objectColour[k]);
 #endif
 {% endfor %}
   return Finish(vec3(0), 0.0, 0.0, 0.0, 1.0, false);

@@ -12,6 +12,14 @@ const int UNFINISHED = 3;  // has met the greatest allowed number of faces
 
 const int BLACKENED = 4;   // has met a blackened top
 
+struct Passage {
+  vec3 position;   // where the ray leaves the sheets, or meets the window's edge, in the window's coordinates, tiles
+  vec3 direction;  // unit vector
+  int end;
+  int faces;       // how many faces it has met
+};
+
+#ifdef PRISMS
 // for each window
 uniform int sheetCounts[WINDOWS];        // how many sheets of prisms: 1 or 2; 0: none
 uniform vec2 sheetTurns[2 * WINDOWS];    // cosine and sine of each sheet's angle
@@ -71,13 +79,6 @@ void meetEdge(int number, bool glass, vec2 o, vec2 d, inout float t, inout int f
 #endif
 
 uniform int maxFaces;           // as POV-Ray's max_trace_level: a ray that meets as many is dark
-
-struct Passage {
-  vec3 position;   // where the ray leaves the sheets, or meets the window's edge, in the window's coordinates, tiles
-  vec3 direction;  // unit vector
-  int end;
-  int faces;       // how many faces it has met
-};
 
 mat3 axesOf(int sheet) { return mat3(sheetAxes[3 * sheet], sheetAxes[3 * sheet + 1], sheetAxes[3 * sheet + 2]); }
 
@@ -222,3 +223,4 @@ Passage passage(Passage ray, int number) {
   ray.direction = normalize(d);
   return ray;
 }
+#endif

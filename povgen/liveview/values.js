@@ -5,12 +5,10 @@ import { camera, floorY, horizon, isTurned, objects, openings } from "./presets.
 import { CONSTANTS, constants, hasPrisms, kind } from "./sheets.js";
 
 const BACKGROUNDS = { sky: 0, black: 1, white: 2, transparent: 3 };
-const AT_ONCE = 4;  // scenes whose numbers of objects have the same multiple of it above them use the same shader
 // of a window that has no Dove prisms
 const NO_PRISMS = { aperture: 1, prisms: 1, index: 1.5, base_angle: 45, gap: 0.01, aspect: 1 };
 const NO_SHAPE = { ...geometry.prism(NO_PRISMS), edges: [] };
 
-const mostObjects = (things) => Math.ceil(things.length / AT_ONCE) * AT_ONCE;
 const shapeOf = (window) => (hasPrisms(window) ? geometry.shape(window) : NO_SHAPE);
 // The greatest number of edges of a window's profile; 0: all are Dove prisms.
 const edgeCount = (shapes) => Math.max(...shapes.map(({ edges }) => edges.length));
@@ -18,21 +16,23 @@ const edgeCount = (shapes) => Math.max(...shapes.map(({ edges }) => edges.length
 // What the shaders are compiled for.
 export function defines(scene, { names, grid }) {
   const all = openings(scene), things = objects(scene, names), edges = edgeCount(all.map(shapeOf));
-  const { cards, ...surroundings } = scene.pictures;
+  const { cards, ...surroundings } = scene.pictures, drawn = things.map((thing) => thing.kind);
   /** @type {Record<string, any>} */
   const kinds = {
     WINDOWS: all.length,
     CONSTANTS,
-    OBJECTS: mostObjects(things),
+    OBJECTS: things.length,
     VOLUMES: names.length,
     GRID: grid.join(", "),
-    ...Object.fromEntries(things.map((thing) => [`HAS_${thing.kind.toUpperCase()}`, 1])),
+    ...Object.fromEntries(drawn.map((kind) => [`ALL_${kind.toUpperCase()}`, `ivec2(${drawn.indexOf(kind)}, ${drawn.lastIndexOf(kind) + 1})`])),
     ...(edges && { PROFILE_EDGES: edges }),
     ...(cards && { CARDS: cards.places.length }),
     ...(all.some(({ round }) => round) && { ROUND_WINDOWS: 1 }),
     ...(all.some(isTurned) && { TURNED_WINDOWS: 1 }),
     ...(things.some(isTurned) && { TURNED_OBJECTS: 1 }),
-    ...(!scene.objects && all.length === 1 && { ALONE: 1 }),
+    ...(all.some(hasPrisms) && { PRISMS: 1 }),
+    ...(all.some((window) => kind(window) >= 0) && { LAWS: 1 }),
+    ...(!scene.objects && { AXIAL: 1 }),
     ...Object.fromEntries(Object.keys(surroundings).map((part) => [`${part.toUpperCase()}_PICTURE`, 1])),
   };
   return Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
@@ -44,6 +44,7 @@ const padded = (list, length, rest = 0) => [...list, ...Array(length - list.leng
 // The shaders' uniforms, for a scene with these pieces: `names` of their distance fields, and `places`.
 export function uniforms(scene, { names, places }) {
   const { eye, middle, right, up, height } = camera(scene), ground = floorY(scene), { cards, floor } = scene.pictures;
+  const things = objects(scene, names);
   return {
     eye,
     viewMiddle: middle,
@@ -64,19 +65,11 @@ export function uniforms(scene, { names, places }) {
     maxFaces: scene.faces,
     volumes: 1,
     volumePlace: places,
-    ...objectUniforms(objects(scene, names)),
+    objectPlace: things.map((thing) => thing.place),
+    objectAxes: things.map((thing) => thing.axes),
+    objectNumbers: things.map((thing) => thing.numbers),
+    objectColour: things.map((thing) => thing.colour),
     ...windowUniforms(openings(scene)),
-  };
-}
-
-function objectUniforms(things) {
-  const each = (of, rest) => padded(things.map(of), mostObjects(things), rest), kinds = things.map(({ kind }) => kind);
-  return {
-    ...Object.fromEntries(kinds.map((kind) => [`all_${kind}`, [kinds.indexOf(kind), kinds.lastIndexOf(kind) + 1]])),
-    objectPlace: each(({ place }) => place, [0, 0, 0]),
-    objectAxes: each(({ axes }) => axes, Array(3).fill([0, 0, 0])),
-    objectNumbers: each(({ numbers }) => numbers, [0, 0, 0, 0]),
-    objectColour: each(({ colour }) => colour, [0, 0, 0]),
   };
 }
 

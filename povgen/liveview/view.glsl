@@ -26,10 +26,14 @@ int windowMet(vec3 o, vec3 d, float start, int last, out float reach) {
   reach = 1e30;
   EACH_WINDOW(w) {
     vec3 p = toWindow(w, o - windowPlace[w]), v = toWindow(w, d);
+#ifdef PRISMS
     float half_ = sheetCounts[w] > 0 ? prismHalves[w] * pitches[w] - sheetCentres[2 * w] : 0.0;  // of the sheets' extent along z
+#else
+    float half_ = 0.0;
+#endif
     float t = (-sign(v.z) * half_ - p.z) / v.z;
     bool enters = w != last && kind[w] != -2 && isInWindow(w, p.xy + t * v.xy);  // an empty window leaves light as it is
-#ifdef ALONE
+#if defined(AXIAL) && WINDOWS == 1
     enters = enters && isInWindow(w, p.xy + (-windowDepth[w] / 2.0 - p.z) / v.z * v.xy);
 #endif
     if (enters && t > start && t < reach) {
@@ -43,6 +47,7 @@ int windowMet(vec3 o, vec3 d, float start, int last, out float reach) {
 // Take a ray through a window. o is a point of the ray, and the window is met at t = `reach`. Return whether the ray ends there.
 bool endsIn(int w, inout Seen seen, inout vec3 o, float reach) {
   vec3 p = toWindow(w, o - windowPlace[w]), d = toWindow(w, seen.direction);
+#ifdef PRISMS
   if (sheetCounts[w] > 0) {
     seen.passage = passage(Passage(p, d, THROUGH, seen.passage.faces), w);
     p = seen.passage.position;
@@ -56,16 +61,20 @@ bool endsIn(int w, inout Seen seen, inout vec3 o, float reach) {
 #endif
       seen.hit = Hit(0.0, WINDOW_FRAME + w, fromWindow(w, vec3(inwards, 0)));
     }
-  } else {
+  }
+#endif
+#ifdef LAWS
+  if (kind[w] >= 0) {
     p = vec3(p.xy + reach * d.xy, 0);
     float forward = d.z;
-#ifdef ALONE
-    d = bent(d, p.xy, w);
-#else
+#ifdef FROM_BEHIND
     d = forward > 0.0 ? bent(d, p.xy, w) : bentFromBehind(d, p.xy, w);
+#else
+    d = bent(d, p.xy, w);
 #endif
     seen.lost = d.z * forward <= 0.0;
   }
+#endif
   seen.origin = o = fromWindow(w, p) + windowPlace[w];
   seen.direction = fromWindow(w, d);
   return seen.lost || seen.hit.what != SKY;
@@ -79,12 +88,17 @@ Seen see(vec3 place) {
   vec3 o = place, d = normalize(place - eye);  // a point of the ray, and its direction
   float start = -distance(place, eye), reach;  // where the ray starts, from this point
   Seen seen = Seen(eye, d, d, Hit(0.0, SKY, vec3(0)), false, Passage(eye, d, THROUGH, 0));
-#ifdef ALONE  // a ray into its frame meets nothing else before the sheets
+#if defined(AXIAL) && WINDOWS == 1  // a ray into its frame meets nothing else before the sheets
   if (windowMet(o, d, start, -1, reach) == 0 && endsIn(0, seen, o, reach)) return seen;
 #else
   int met = windowMet(o, d, start, -1, reach);
   for (int k = 0; k < MOST_WINDOWS && met >= 0; k++) {
+#ifdef AXIAL
+    seen.hit.t = reach - start;
+    meetFrames(seen.origin, seen.direction, seen.hit);
+#else
     seen.hit = meet(seen.origin, seen.direction, reach - start);
+#endif
     if (seen.hit.what != SKY || endsIn(met, seen, o, reach)) return seen;
     start = 0.0;
     met = windowMet(o, seen.direction, start, met, reach);

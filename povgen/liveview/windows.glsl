@@ -20,7 +20,11 @@ uniform bool windowRound[WINDOWS];     // whether the opening is an ellipse
 uniform mat3 windowAxes[WINDOWS];      // the axes of each window: its columns
 #endif
 
-// With ALONE there is one window, the eye is in front of it, and all objects are behind it. A loop of one turn takes time.
+// What a scene does not need takes time even where a branch leaves it out: with PRISMS there are sheets of prisms or lenses, with
+// LAWS ideal ones, and with AXIAL the windows stand one behind the other, with the eye in front and all objects behind them.
+#if defined(LAWS) && (!defined(AXIAL) || WINDOWS > 1 && defined(PRISMS))
+#define FROM_BEHIND  // light can meet an ideal sheet from behind
+#endif
 #if WINDOWS > 1
 #define EACH_WINDOW(w) for (int w = 0; w < WINDOWS; w++)
 #else

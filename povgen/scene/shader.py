@@ -26,8 +26,6 @@ from povgen.sheets.own import OwnLaw
 from povgen.sheets.sheet import Ideal, Sheet
 
 BACKGROUNDS = ("sky", "black", "white", "transparent")  # their numbers in materials.glsl
-# The shader is compiled for a multiple of so many objects, so that scenes with fewer can use the same shader.
-AT_ONCE = 4
 NO_WINDOW = Opening(Pose(), NoSheet({}, 1e-9))  # of a scene without windows: a shader has at least one
 
 
@@ -72,11 +70,14 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
     found: dict[str, int | str] = {
         "WINDOWS": max(1, len(scene.openings)),
         "CONSTANTS": _constants(to_live([scene])),
-        "OBJECTS": -(-len(things) // AT_ONCE) * AT_ONCE,
+        "OBJECTS": len(things),
         "VOLUMES": len(names),
         "GRID": ", ".join(map(str, grid)),
     }
-    found |= {f"HAS_{kind_of(each)}".upper(): 1 for each in things}
+    kinds = [*map(kind_of, things)]
+    for kind in kinds:
+        first = kinds.index(kind)
+        found[f"ALL_{kind.upper()}"] = f"ivec2({first}, {first + kinds.count(kind)})"
     if edges := [len(profile.edges) for profile in map(_profile, scene.openings) if profile]:
         found["PROFILE_EDGES"] = max(edges)
     if count := len(cards(scene).pictures):
@@ -87,8 +88,9 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
         found["TURNED_WINDOWS"] = 1
     if any(any(each.pose[3:]) for each in things):
         found["TURNED_OBJECTS"] = 1
-    if isinstance(scene, AxialScene) and len(scene.openings) == 1:
-        found["ALONE"] = 1
+    laws = any(sheet.name != "none" for sheet in scene.ideal)
+    features = {"PRISMS": scene.has_prisms, "LAWS": laws, "AXIAL": isinstance(scene, AxialScene)}
+    found |= {name: 1 for name, needed in features.items() if needed}
     found |= {f"{part.upper()}_PICTURE": 1 for part in surroundings(scene)}
     return found
 
@@ -117,6 +119,7 @@ def uniforms(
     """
     camera, floor = scene.camera, next((each for each in scene.contents if each.kind == "floor"), None)
     ground, boards = surroundings(scene).get("floor"), cards(scene)
+    things, parts = drawn(scene), Parts(names, boards.pictures)
     return {
         "eye": camera.eye,
         "viewMiddle": camera.middle,
@@ -137,20 +140,11 @@ def uniforms(
         "maxFaces": max_trace_level(scene, found),
         "volumes": 1,
         "volumePlace": places,
-        **_objects(drawn(scene), Parts(names, boards.pictures)),
+        "objectPlace": [each.pose[:3] for each in things],
+        "objectAxes": [each.pose.axes.tolist() for each in things],
+        "objectNumbers": [each.numbers(parts) for each in things],
+        "objectColour": [each.colour for each in things],
         **_windows(scene.openings or [NO_WINDOW], to_live([scene])),
-    }
-
-
-def _objects(things: Sequence[SceneObject], parts: Parts) -> dict[str, Any]:
-    """Return the uniforms of povgen/liveview/objects.glsl."""
-    rest = range(-len(things) % AT_ONCE)  # the shader has so many objects more, which it does not draw
-    kinds = [*map(kind_of, things)]
-    return {f"all_{kind}": (kinds.index(kind), kinds.index(kind) + kinds.count(kind)) for kind in kinds} | {
-        "objectPlace": [each.pose[:3] for each in things] + [(0, 0, 0) for _ in rest],
-        "objectAxes": [each.pose.axes.tolist() for each in things] + [[(0, 0, 0)] * 3 for _ in rest],
-        "objectNumbers": [each.numbers(parts) for each in things] + [(0, 0, 0, 0) for _ in rest],
-        "objectColour": [each.colour for each in things] + [(0, 0, 0) for _ in rest],
     }
 
 
