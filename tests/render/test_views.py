@@ -3,7 +3,7 @@
 import imageio.v3 as iio
 import numpy as np
 import pytest
-from conftest import povgen, refusal, refused
+from conftest import povgen, refused
 
 from povgen import Chess, Rendering, Spheres, movie, render, to_pov
 from povgen.rendering.views import composed, views
@@ -114,18 +114,6 @@ def test_an_eye_that_cannot_be_is_said_to_be_one_of_two(tmp_path):
     error = refused(["frame", "chess", "--eye=10,0", *LINE], tmp_path)
     assert error.startswith("povgen: eye_distance = 0.2: for one of the two eyes, eye = (10.1, 0.0): ")
     refused(["movie", "vary-alpha", "--eye=10,0", *LINE], tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        ({"stereo": "pair", "eye_distance": 0}, "eye_distance = 0"),
-        ({"stereo": "both"}, "stereo = 'both'"),
-        ({"stereo": "pair", "eye_distance": 3, "eye": (9, 0)}, "eye = "),
-    ],
-)
-def test_what_does_not_fit_is_refused(values, said):
-    assert said in refusal(lambda: render(Chess(sheet="none", eye=values.pop("eye", (0, 0))), **values))
 
 
 def test_one_eye_has_no_distance(tmp_path):

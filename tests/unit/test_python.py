@@ -2,6 +2,7 @@
 
 import copy
 import inspect
+import os
 import pickle
 import pydoc
 import re
@@ -21,6 +22,10 @@ from povgen import (
     Spheres,
     live,
     movie,
+    render,
+    results,
+    save,
+    show,
     to_pov,
 )
 from povgen.page.page import demo
@@ -69,15 +74,36 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: movie([Chess()], "a.mp4", progress="no"), ["progress = 'no': should be true or false"]),
         (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .webp, .gif"]),
         (lambda: Movie("gone.mp4")._repr_html_(), ["path = 'gone.mp4': No such file"]),
+        (lambda: render("chess"), ["scene = 'chess'", "Chess(...)"]),
+        (lambda: show(Chess(), sise=(32, 32)), ["'sise': unknown", "size"]),
+        (lambda: save(Chess(), "a.jpg"), ["output = 'a.jpg'", ".png"]),
+        (lambda: movie(3, "a.mp4"), ["spec = 3"]),
+        (lambda: movie([], "a.mp4"), ["no scenes"]),
+        (lambda: movie([Chess()], "a.avi"), ["a.avi", ".mp4"]),
+        (lambda: movie([Chess()], "a.mp4", frame_rate=0), ["frame_rate = 0", "120"]),
+        *(
+            (lambda workers=workers: movie([Chess()], "a.mp4", workers=workers), [f"workers = {workers!r}", "256"])
+            for workers in (0, "x", True)
+        ),
+        (lambda: movie([Chess()], "a.png"), ["output = 'a.png': one picture", "a%04d.png"]),
+        (lambda: render([Chess()], workers=0), ["workers = 0", "256"]),
+        (lambda: render(Chess(), stereo="pair", eye_distance=0), ["eye_distance = 0"]),
+        (lambda: render(Chess(), stereo="both"), ["stereo = 'both'"]),
+        (lambda: render(Chess(eye=(9, 0)), stereo="pair", eye_distance=3), ["eye = "]),
+        (lambda: results([Chess()]), ["no quantity; allowed: x, y, nu, M"]),
+        (lambda: results([Chess()], "nix"), ["quantity = 'nix'; allowed: x, y"]),
+        (lambda: results(None, "nu"), ["scene = None: should be a scene"]),
+        (lambda: results([Chess()], "M", scheduler="x"), ["scheduler = 'x'"]),
     ],
 )
-def test_an_error_has_one_line(call, words):
+def test_an_error_has_one_line_and_nothing_is_written(call, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError) as raised:
         call()
     message = str(raised.value)
     assert all(word in message for word in words), message
     assert len(message.splitlines()) == 1 and "pydantic" not in message
-    assert raised.value.__suppress_context__ or not raised.value.__context__
+    assert (raised.value.__suppress_context__ or not raised.value.__context__) and not os.listdir(tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import refusal
 
 from povgen import Chess, InputError, Spheres, results, stopping
 from povgen.inputs import mesh
@@ -127,19 +126,6 @@ def test_scenes_of_ones_own(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
     monkeypatch.setattr(module, "computed", None)
     assert results([Mine(), Mine(alpha=3)], "M", workers=2, progress=False)["alpha"].tolist() == [66, 3]
-
-
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: results(SCENES), "no quantity; allowed: x, y, nu, M"),
-        (lambda: results(SCENES, "nix"), "quantity = 'nix'; allowed: x, y"),
-        (lambda: results(None, "nu"), "scene = None: should be a scene"),
-        (lambda: results(SCENES, "M", scheduler="x"), "scheduler = 'x'"),
-    ],
-)
-def test_wrong_values_are_refused(call, words):
-    assert words in refusal(call)
 
 
 def test_a_parameter_with_the_name_of_a_quantity():
