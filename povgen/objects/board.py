@@ -1,6 +1,5 @@
 """A thin board with a picture on the side that faces -z, towards the eye: a card, a text or a ruler."""
 
-from collections.abc import Sequence
 from functools import lru_cache
 from hashlib import sha256
 from io import BytesIO
@@ -80,14 +79,10 @@ Finish finish_board(vec3 p, vec4 n, vec3 colour) {
         return (-x, -y, 0), (x, y, THICKNESS)
 
 
-def stacked(several: Sequence[Picture]) -> File:
-    """Return a file with several pictures, one above the other, the first one at the top."""
-    return _stacked(tuple(each.file for each in several))
-
-
 @lru_cache(maxsize=4)  # a movie's frames have the same pictures
-def _stacked(files: tuple[File, ...]) -> File:
-    images = [open_image(BytesIO(file.content), formats=["PNG"]) for file in files]
+def stacked(several: tuple[Picture, ...]) -> File:
+    """Return a file with several pictures, one above the other, the first one at the top."""
+    images = [open_image(BytesIO(each.file.content), formats=["PNG"]) for each in several]
     whole = new("RGB", (max(image.width for image in images), sum(image.height for image in images)))
     top = 0
     for image in images:

@@ -76,8 +76,8 @@ def _annotation(parameter: Parameter) -> Any:  # noqa: ANN401  (a type that is c
 def _fields(first: bool) -> dict[str, Any]:
     """Return the fields for the parameters of all kinds of sheets.
 
-    If `first`, they are the fields of a scene, for its first window. Otherwise they are the fields of a `Window`. There
-    the default is None, which stands for the first window's value.
+    If `first`, they are the fields of a scene, for its first window. Otherwise they are the fields of a
+    `FurtherWindow`. There the default is None, which stands for the first window's value.
     """
     found: dict[str, Any] = {}
     for name, several in PARAMETERS.items():

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from math import dist
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
+from pydantic import Field, SerializeAsAny, model_validator
 
 from povgen.errors import InputError, shown
 from povgen.inputs.pictures import File
@@ -18,7 +19,7 @@ from povgen.optics.rays import Opening
 from povgen.scene import checks, files, traced_rays
 from povgen.scene.camera import Camera
 from povgen.scene.scene import Scene
-from povgen.scene.windows import window_table
+from povgen.scene.windows import several, stated_as
 from povgen.validation import Model
 
 MOST_WINDOWS, MOST_OBJECTS = 20, 100
@@ -49,7 +50,7 @@ class Eye(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if (self.x, self.y, self.z) == (self.look_x, self.look_y, self.look_z):
+        if dist((self.x, self.y, self.z), (self.look_x, self.look_y, self.look_z)) < 1e-6:
             raise ValueError("look_x, look_y, look_z: where the eye is; allowed: another point")
         return self
 
@@ -70,46 +71,18 @@ class Eye(Model):
         return Camera((x, y, z), middle, (rx, ry, rz), (ux, uy, uz), self.view)
 
 
-def _object(value: object) -> object:
-    """Return the object that a table, or a text such as kind=sphere,x=1, states."""
-    table = window_table(value)
-    if not isinstance(table, dict):
-        return value
-    kind = table.get("kind")
+def _object(kind: object = None, **values: Any) -> SceneObject:  # noqa: ANN401
     if not isinstance(kind, str) or kind not in OBJECTS:
         raise InputError(f"kind = {shown(kind)}: allowed: {', '.join(OBJECTS)}")
-    return OBJECTS[kind](**{name: value for name, value in table.items() if name != "kind"})
-
-
-def _window(value: object) -> object:
-    table = window_table(value)
-    return Window(**table) if isinstance(table, dict) else value
-
-
-def _eye(value: object) -> object:
-    table = window_table(value)
-    return Eye(**table) if isinstance(table, dict) else value
-
-
-def _listed(value: object) -> object:
-    """Accept one object or window in place of a list."""
-    return [value] if isinstance(value, (str, dict, Placed)) else value
+    return OBJECTS[kind](**values)
 
 
 if TYPE_CHECKING:  # read as objects; a user may give anything that becomes such a tuple
     Objects = tuple[SceneObject, ...] | Any
     RoomWindows = tuple[Window, ...] | Any
 else:
-    Objects = Annotated[
-        tuple[Annotated[SerializeAsAny[SceneObject], BeforeValidator(_object)], ...],
-        Field(max_length=MOST_OBJECTS),
-        BeforeValidator(_listed),
-    ]
-    RoomWindows = Annotated[
-        tuple[Annotated[Window, BeforeValidator(_window)], ...],
-        Field(max_length=MOST_WINDOWS),
-        BeforeValidator(_listed),
-    ]
+    Objects = several(SerializeAsAny[SceneObject], _object, MOST_OBJECTS)
+    RoomWindows = several(Window, Window, MOST_WINDOWS)
 
 
 class Room(Scene):
@@ -120,10 +93,12 @@ class Room(Scene):
 
     object: Objects = Field(default=(), description="an object, such as kind=sphere,x=1,z=2; up to 100")
     window: RoomWindows = Field(default=(), description="a window, such as alpha=90,x=-2,yaw=30; up to 20")
-    eye: Annotated[Eye, BeforeValidator(_eye)] = Field(default=Eye(), description="the eye, such as x=1,z=-8,view=4")
+    eye: Annotated[Eye, stated_as(Eye)] = Field(default=Eye(), description="the eye, such as x=1,z=-8,view=4")
 
     def __init__(self, things: Placed | Iterable[Placed] = (), /, **values: Any) -> None:  # noqa: ANN401
         """Make a room of objects and windows, or of the lists `object` and `window`."""
+        if not isinstance(things, (Placed, Iterable)):
+            raise InputError(f"things = {shown(things)}: allowed: a list of objects and windows")
         for thing in [things] if isinstance(things, Placed) else things:
             name = "window" if isinstance(thing, Window) else "object"
             values[name] = [*values.get(name, ()), thing]
@@ -132,13 +107,13 @@ class Room(Scene):
     @cached_property
     def things(self) -> dict[str, Placed]:
         """All objects and windows, by their names. One without a name has its kind's name and a number."""
-        found: dict[str, Placed] = {}
-        counts: dict[str, int] = {}
-        for thing in (*self.window, *self.object):
-            kind = "window" if isinstance(thing, Window) else thing.kind
-            counts[kind] = counts.get(kind, 0) + 1
-            found[thing.name or f"{kind}{counts[kind]}"] = thing
-        return found
+        return dict(zip(self._names, (*self.window, *self.object), strict=True))
+
+    @property
+    def _names(self) -> list[str]:
+        kinds = [*["window"] * len(self.window), *(thing.kind for thing in self.object)]
+        named = zip((*self.window, *self.object), kinds, strict=True)
+        return [thing.name or f"{kind}{kinds[: n + 1].count(kind)}" for n, (thing, kind) in enumerate(named)]
 
     @classmethod
     def load(cls, path: str | Path, **values: Any) -> Self:  # noqa: ANN401
@@ -207,13 +182,13 @@ class Room(Scene):
 
     @model_validator(mode="after")
     def _check_room(self) -> Self:
-        names = [thing.name or name for name, thing in self.things.items()]
-        if "eye" in names:
+        if "eye" in self._names:
             raise ValueError("name = 'eye': the eye has it; allowed: another name")
-        if len(names) < len(self.window) + len(self.object):
-            every = [thing.name for thing in (*self.window, *self.object)]
-            twice = next((name for name in every if name and every.count(name) > 1), "")
-            raise ValueError(f"name = {shown(twice)}: two things have it; allowed: different names")
+        small = [name.lower() for name in self._names]  # texts for POV-Ray begin all names with a capital letter
+        if twice := [name for name, own in zip(self._names, small, strict=True) if small.count(own) > 1]:
+            raise ValueError(
+                f"name = {shown(twice[-1])}: two things have it; allowed: different names, also in small letters"
+            )
         # the model is frozen
         object.__setattr__(self, "window", tuple(checks.with_index(each, self.wavelength) for each in self.window))
         if self.fresnel and self.has_prisms and self.rays_file:

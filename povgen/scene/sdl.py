@@ -29,7 +29,7 @@ from povgen.optics.profile import Profile
 from povgen.scene import cells, laws, materials
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene
+from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, checked_axial
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.scene.traced_rays import HOLD_OUT
 from povgen.settings import Sampling
@@ -223,9 +223,11 @@ def to_sheets(scene: Scene) -> str:
 
     Parameters with #ifndef are #local: another such text in the same scene has its own values.
 
-    Raises InputError if a window has an ideal sheet or no sheet, and if sheets are not built exactly (option `error`).
+    Raises InputError for a room, if a window has an ideal sheet or no sheet, and if sheets are not built exactly
+    (option `error`).
     """
-    if checked_scene(scene).ideal:
+    scene = checked_axial(scene, "part = 'sheets'")
+    if scene.ideal:
         allowed = ", ".join(repr(name) for name, kind in SHEETS.items() if issubclass(kind, Layered))
         raise InputError(f"part = 'sheets': sheet = {scene.ideal[0].name!r} has no glass; allowed: {allowed}")
     if not _is_exact(scene):

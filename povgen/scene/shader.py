@@ -51,7 +51,7 @@ def kind_of(thing: SceneObject) -> str:
 
 def cards(scene: Scene) -> Cards:
     """Return the pictures on the scene's boards, and where they are in the picture that has all of them."""
-    shown = [*dict.fromkeys(each.picture for each in drawn(scene) if isinstance(each, Board) and each.picture)]
+    shown = tuple(dict.fromkeys(each.picture for each in drawn(scene) if isinstance(each, Board) and each.picture))
     if not shown:
         return Cards(None, (), ())
     wide, high = max(each.size[0] for each in shown), sum(each.size[1] for each in shown)

@@ -115,7 +115,7 @@ def file(openings: Sequence[Opening], camera: Camera, tile: int) -> File | None:
 
 
 def of_file(content: bytes) -> Rays:
-    """Return the rays of a file that `name` has made."""
+    """Return the rays of a file that `file` has made."""
     found = loads(content)
     assert isinstance(found, Rays)
     return found

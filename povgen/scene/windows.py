@@ -1,6 +1,6 @@
 """The windows behind the first one of `Chess` and `Spheres`. One can be given as text: `z=2,sheet=mirror`."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field
@@ -78,14 +78,23 @@ def window_table(value: object) -> object:
     return value
 
 
-def _window(value: object) -> object:
-    value = window_table(value)
-    return FurtherWindow(**value) if isinstance(value, Mapping) else value
+def stated_as(make: Callable[..., Model]) -> BeforeValidator:
+    """Accept a table, or text such as alpha=120,z=2, in place of what is made of these values."""
+
+    def made(value: object) -> object:
+        table = window_table(value)
+        return make(**table) if isinstance(table, Mapping) else value
+
+    return BeforeValidator(made)
 
 
-def _windows(value: object) -> object:
-    """Accept a single window in place of a list of windows."""
-    return [value] if isinstance(value, (str, Mapping, FurtherWindow)) else value
+def several(kind: Any, make: Callable[..., Model], most: int) -> Any:  # noqa: ANN401  (types, for pydantic)
+    """Return the type of up to `most` things of a kind: a tuple. One of them may be given in place of a list."""
+
+    def listed(value: object) -> object:
+        return [value] if isinstance(value, (str, Mapping, Model)) else value
+
+    return Annotated[tuple[Annotated[kind, stated_as(make)], ...], Field(max_length=most), BeforeValidator(listed)]
 
 
 WINDOW = (
@@ -96,11 +105,7 @@ WINDOW = (
 if TYPE_CHECKING:  # read as windows; a user may give anything that becomes such a tuple
     Windows = tuple[FurtherWindow, ...] | Any
 else:
-    Windows = Annotated[
-        tuple[Annotated[FurtherWindow, BeforeValidator(_window)], ...],
-        Field(max_length=MAX_WINDOWS - 1),
-        BeforeValidator(_windows),
-    ]
+    Windows = several(FurtherWindow, FurtherWindow, MAX_WINDOWS - 1)
 
 
 class _Windows(Model):
