@@ -178,6 +178,7 @@ THINGS = "left, window2, knight, text1, ruler1, eye"
         ("stop = 60", "stop = 4000", ["frame 3 of 3, window2.pitch = 4000: pitch = 4000.0: should be less"]),
         ("x = 1.7", "x = 0", ["left, at -1.7, 0, 0, and window2, at 0, 0, 0: they overlap by 0.983 tiles"]),
         ('"knight"', '"left"', ["name = 'left': two things have it; allowed: different names"]),
+        ('"knight"', '"Left"', ["name = 'Left': two things have it; allowed: different names, also in small letters"]),
         ('"knight"', '"eye"', ["name = 'eye': the eye has it"]),
         ('"ruler"', '"rular"', ["object", "kind = 'rular': allowed: box, card, floor, pedestal, piece, ruler"]),
         ("view = 6", "wiew = 6", ["eye", "'wiew': unknown; did you mean view?"]),

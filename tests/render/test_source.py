@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import povgen, refused, some
 
-from povgen import Chess, InputError, Spheres, render, to_pov, to_sheets
+from povgen import Chess, InputError, Room, Spheres, Window, render, to_pov, to_sheets
 from povgen.rendering import frames, light
 
 EMPTY = Chess(sheet="none")
@@ -154,6 +154,8 @@ def test_parts_that_cannot_be(tmp_path):
         InputError, match="sheet = 'ideal' has no glass; allowed: 'detailed', 'single', 'lenticular', 'profile'$"
     ):
         to_sheets(Chess(window="z=2", sheet="ideal"))
+    with pytest.raises(InputError, match="part = 'sheets' needs windows on one axis"):
+        to_sheets(Room([Window(sheet="detailed")]))
     for options, said in (
         (["--part", "frame"], "part = 'frame': allowed: sheets"),
         (["--part", "sheets", "--size", "64x48"], "part = 'sheets', size: the picture is not povgen's"),
