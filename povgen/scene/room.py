@@ -73,7 +73,8 @@ class Eye(Model):
 
 def _object(kind: object = None, **values: Any) -> SceneObject:  # noqa: ANN401
     if not isinstance(kind, str) or kind not in OBJECTS:
-        raise InputError(f"kind = {shown(kind)}: allowed: {', '.join(OBJECTS)}")
+        what = "kind: missing;" if kind is None else f"kind = {shown(kind)}:"
+        raise InputError(f"{what} allowed: {', '.join(OBJECTS)}")
     return OBJECTS[kind](**values)
 
 
@@ -123,7 +124,9 @@ class Room(Scene):
         names those that are outside of it. What the file says of a movie is not read. `values` replace the file's.
         Raises InputError, which names the file.
         """
-        text, name, folder = files.text_of(path, "room", "a TOML file with tables [eye], [[window]] and [[object]]")
+        text, name, folder = files.text_of(
+            path, "room", "a TOML file with tables [eye], [[window]] and [[object]], or --from a picture"
+        )
         table = {key: value for key, value in files.table_of(text, name).items() if key not in OF_MOVIES}
         try:
             if (scene := table.pop("scene", cls.name)) != cls.name:
