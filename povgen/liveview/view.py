@@ -10,15 +10,15 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from povgen import files, remedies
-from povgen.errors import InputError, shown
+from povgen.errors import InputError
 from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
 from povgen.scene.room import Room
-from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import SCENES, input_files, pieces
+from povgen.scene.scene import Scene, checked_class, checked_scene
+from povgen.scene.scenes import input_files, pieces
 from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.shader import cards, surroundings
 from povgen.validation import Model
@@ -164,9 +164,7 @@ def _label(scene: Scene) -> str:
 def _checked(scene: object) -> Scene:
     """Return a scene that the live view can show. Raises InputError."""
     found = checked_scene(scene)
-    if type(found) not in SCENES.values():
-        allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
-        raise InputError(f"scene = {shown(scene)}: the live view does not know this class; allowed: {allowed}")
+    checked_class(found, "the live view")
     values(found)
     return found
 

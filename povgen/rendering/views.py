@@ -11,8 +11,7 @@ from povgen.inputs.hdr import encoded
 from povgen.optics.rays import Opening
 from povgen.rendering.light import Picture, linear
 from povgen.scene.camera import Vector
-from povgen.scene.scene import Scene
-from povgen.scene.scenes import SCENES
+from povgen.scene.scene import Scene, checked_class
 from povgen.settings import Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw
@@ -59,9 +58,7 @@ def check_gl(scene: Scene) -> None:
                 f"law = {shown(sheet.values['law'])}: the renderer gl computes with 32-bit numbers; "
                 "allowed: parts of 1e-38 to 3e38, or --renderer povray"
             )
-    if type(scene) not in SCENES.values():
-        allowed = " or ".join(f"{own.__name__}(...)" for own in SCENES.values())
-        raise InputError(f"scene = {shown(scene)}: the renderer gl does not know this class; allowed: {allowed}")
+    checked_class(scene, "the renderer gl")
 
 
 def _fits_32_bits(sheet: OwnLaw, opening: Opening, eye: Vector) -> bool:

@@ -118,12 +118,12 @@ def _check_shape(
         )
 
 
-def _check_depth(sheet: Sheet, is_one_of_several: bool) -> None:
+def _check_depth(sheet: Sheet, must_be_exact: bool) -> None:
     if isinstance(sheet, (PrismPair, Lenticular)):
         sheet.check_errors()
     depth = sheet.depth  # raises for lenses of a shape that does not exist
-    if not sheet.is_exact and is_one_of_several:
-        raise ValueError("error: only for a single window; allowed: no errors with --window")
+    if must_be_exact and not sheet.is_exact:
+        raise ValueError("error: only for a single window, of chess or spheres; allowed: no errors")
     if depth > MAX_DEPTH:
         assert isinstance(sheet, Layered)  # others have no depth
         what = "prisms" if isinstance(sheet, Prisms) else "profile"
@@ -175,7 +175,7 @@ def with_index(window: Window, wavelength: float) -> Window:
         raise ValueError(_for_no_glass("design_wavelength", made.design_wavelength))
     sheet = made.optics
     _check_shape({name: getattr(made, name) for name in SHAPE}, True, made, sheet)
-    _check_depth(sheet, False)
+    _check_depth(sheet, True)  # a room's text for POV-Ray builds all sheets exactly
     _check_law(made.law, made.parameter)
     return made
 

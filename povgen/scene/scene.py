@@ -209,12 +209,22 @@ def object_images(scene: Scene) -> list[tuple[SceneObject, list[Image]]]:
 SCENES: dict[str, type[Scene]] = {}  # the classes of scenes, by their names
 
 
+def classes(kind: type[Scene] = Scene) -> str:
+    """Return povgen's classes of scenes of this kind, for a message."""
+    return " or ".join(f"{each.__name__}(...)" for each in SCENES.values() if issubclass(each, kind))
+
+
 def checked_scene(scene: object) -> Scene:
     """Return the scene. Raises InputError if it is none."""
     if not isinstance(scene, Scene) or not hasattr(scene, "name"):  # `Scene` itself has no name
-        allowed = " or ".join(f"{kind.__name__}(...)" for kind in SCENES.values())
-        raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: {allowed}")
+        raise InputError(f"scene = {shown(scene)}: should be a scene; allowed: {classes()}")
     return scene
+
+
+def checked_class(scene: Scene, what: str) -> None:
+    """Raise InputError if the scene is not of povgen's own classes, which are all that `what` knows."""
+    if type(scene) not in SCENES.values():
+        raise InputError(f"scene = {shown(scene)}: {what} does not know this class; allowed: {classes()}")
 
 
 def checked_scenes(scenes: Iterable[object], most: int) -> list[Scene]:

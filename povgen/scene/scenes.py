@@ -41,7 +41,7 @@ from povgen.scene.predictions import Predicted
 from povgen.scene.room import Room
 from povgen.scene.scene import SCENES as SCENES
 from povgen.scene.scene import Scene as Scene
-from povgen.scene.scene import checked_scene
+from povgen.scene.scene import checked_scene, classes
 from povgen.scene.scene import recorded as recorded
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import Model, as_flag
@@ -393,8 +393,7 @@ def used_parameters(scene: Scene) -> set[str]:
 def checked_axial(scene: object, what: str) -> AxialScene:
     """Return a scene whose windows stand on one axis. Raises InputError for another one: `what` is not for it."""
     if not isinstance(found := checked_scene(scene), AxialScene):
-        allowed = " or ".join(f"{kind.__name__}(...)" for kind in SCENES.values() if issubclass(kind, AxialScene))
-        raise InputError(f"scene = {shown(found)}: {what} needs windows on one axis; allowed: {allowed}")
+        raise InputError(f"scene = {shown(found)}: {what} needs windows on one axis; allowed: {classes(AxialScene)}")
     return found
 
 

@@ -14,12 +14,16 @@ from conftest import picture
 
 from povgen import (
     Chess,
+    Eye,
     InputError,
     Movie,
     MovieSpec,
     PovrayError,
     Rendering,
+    Room,
+    Sphere,
     Spheres,
+    Window,
     live,
     movie,
     render,
@@ -253,3 +257,17 @@ def test_a_path_in_the_users_home(tmp_path, monkeypatch):
         tmp_path / "ball.inc"
     )
     assert Movie("~/a.mp4").path == tmp_path / "a.mp4" and live(Chess(sheet="none")).save("~/a.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Room(3), "things = 3: allowed: a list of objects and windows"),
+        (lambda: Room([Sphere(name="sphere2"), Sphere(x=5)]), "name = 'sphere2': two things have it"),
+        (lambda: Room(eye=Eye(z=1e-200)), "where the eye is"),  # the square of this distance is 0
+        (lambda: Room(Window(sheet="detailed", error={"tilt_x": 1})), "error: only for a single window, of chess"),
+    ],
+)
+def test_what_a_room_cannot_be(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
