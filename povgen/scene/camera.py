@@ -45,7 +45,7 @@ class Camera(NamedTuple):
         way, normal = np.subtract(point, self.eye), np.cross(self.right, self.up)
         with np.errstate(divide="ignore", invalid="ignore"):
             part = np.subtract(self.middle, self.eye) @ normal / (way @ normal)
-            there = np.where(part > 0, part, np.nan)[..., None] * way - np.subtract(self.middle, self.eye)
+            there = np.where((part > 0) & np.isfinite(part), part, np.nan)[..., None] * way - np.subtract(self.middle, self.eye)
         return np.asarray(there @ self.right + 1j * (there @ self.up))
 
     def along(self, direction: ArrayLike) -> Bundle:

@@ -107,3 +107,9 @@ def test_what_no_path_reaches_has_no_image(point):
 def test_a_point_has_three_numbers(wrong):
     with pytest.raises(InputError, match="point"):
         Room().images(wrong)
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_eye_in_a_windows_plane():
+    room = Room(Window(x=5), eye=Eye(z=0, look_z=3))
+    assert np.isnan(room.camera.position([[5, 1, 0], [-2, 0, 0]])).all() and room.images((-2, 0, 0)) == []
