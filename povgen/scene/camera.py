@@ -43,9 +43,10 @@ class Camera(NamedTuple):
     def position(self, point: ArrayLike) -> NDArray[np.complex128]:
         """Return where the eye sees points (..., 3) without windows, NaN if they are not before it."""
         way, normal = np.subtract(point, self.eye), np.cross(self.right, self.up)
+        ahead = np.subtract(self.middle, self.eye)
         with np.errstate(divide="ignore", invalid="ignore"):
-            part = np.subtract(self.middle, self.eye) @ normal / (way @ normal)
-            there = np.where((part > 0) & np.isfinite(part), part, np.nan)[..., None] * way - np.subtract(self.middle, self.eye)
+            part = ahead @ normal / (way @ normal)
+            there = np.where((part > 0) & np.isfinite(part), part, np.nan)[..., None] * way - ahead
         return np.asarray(there @ self.right + 1j * (there @ self.up))
 
     def along(self, direction: ArrayLike) -> Bundle:
