@@ -84,7 +84,9 @@ def keep(given: SurveyInputs | RoomInputs, found: Survey) -> None:
 
 def _of_room(given: RoomInputs, count: int = 3600) -> Survey:
     """Trace rays from the eye to random points of each window of prisms, through all windows that are in the way."""
-    rng, level, designed = np.random.default_rng(1), 5, 0.0
+    layers = [layer for opening in given.openings for layer in opening.sheet.layers_at(0.0, 0)]
+    level, designed = max(5, 1 + sum(len(trace.path_of(layer.shape)) for layer in layers)), 0.0
+    rng = np.random.default_rng(1)
     for opening in given.openings:
         if not opening.sheet.layers_at(0.0, 0):
             continue

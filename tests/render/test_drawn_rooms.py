@@ -1,12 +1,18 @@
 """Rooms as both renderers show them."""
 
+import subprocess
+
 import numpy as np
 import pytest
+from conftest import PROJECT, povgen
 
 from povgen import Box, Chess, Eye, Room, Sphere, Window, render
+from povgen.inputs import hdr
 from povgen.measure import verify_rooms
 from povgen.measure.opengl import OpenGLView
 from povgen.optics.pose import Pose
+from povgen.rendering import light
+from povgen.scene.traced_rays import HOLD_OUT
 
 SIZE = (96, 72)
 RENDERERS = ["gl", "povray"]
@@ -72,3 +78,20 @@ def test_a_room_like_a_preset_looks_like_it(sheet, renderer):
     window = Window(sheet=sheet, alpha=60, prisms=20)
     room = Room([window, *preset.contents], eye=Eye(view=4))
     assert differing(picture(room, renderer), picture(preset, renderer), 5) < 0.004
+
+
+def test_the_legs_of_a_rooms_text_make_its_picture(tmp_path):
+    """As the text's own comment says: a pixel is that of the first leg in which it has not the colour HoldOut."""
+    toml = PROJECT / "docs" / "rooms" / "box.toml"
+    assert povgen(["pov", str(toml), "--size", "64x48", "-o", "box.pov"], tmp_path)[0] == 0
+    made, rows = np.full((48, 64, 3), np.nan), slice(1, None)
+    for leg in range(len([*tmp_path.glob("box-rays-*.inc")])):
+        kind = ["+FP16", "File_Gamma=1", "+W64", "+H49", "-A", "-D", f"Declare=Leg={leg}", f"+Oleg{leg}.ppm"]
+        subprocess.run(["povray", "+Ibox.pov", *kind], cwd=tmp_path, check=True, capture_output=True)
+        seen = light.read(tmp_path / f"leg{leg}.ppm", (64, 49))[rows]
+        shown = np.isnan(made[..., 0]) & (abs(seen - HOLD_OUT).max(-1) > 5e-4)
+        made[shown] = seen[shown]
+    assert leg == 2
+    picture = np.asarray(hdr.encoded(np.nan_to_num(made).astype(np.float32).clip(0, 1)))
+    whole = render(Room.load(toml), size=(64, 48), antialias="off")
+    assert (abs(picture - whole).max(-1) < 2).mean() > 0.995
