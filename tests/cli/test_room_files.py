@@ -199,7 +199,7 @@ def test_a_files_mistakes(old, new, words, file, tmp_path):
 def test_what_is_no_room(tmp_path, file):
     for text, words in (
         ('scene = "chess"\n', "scene = 'chess': no room"),
-        ("[[object]]\nx = 1", "kind = None: allowed: box"),
+        ("[[object]]\nx = 1", "kind: missing; allowed: box"),
         ("[eye", "not TOML"),
     ):
         (tmp_path / "a.toml").write_text(text)
