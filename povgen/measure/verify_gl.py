@@ -28,7 +28,7 @@ PICTURE = (320, 240)  # pictures are compared at this size
 RAYS = 64  # a pixel: `PACE.RAYS` in povgen/liveview/scheduling.js
 SHADOW_RAYS = 13  # through the same point, for soft shadows: each ray tests whether one of the sun's lights is hidden
 SAME = 15  # of 255: two pixels of floor or frame whose colours differ by less show the same
-SKY, OBJECT = 0, 3  # povgen/liveview/objects.glsl
+SKY, WINDOW_FRAME = 0, 2  # povgen/liveview/windows.glsl: the frames' numbers, then those of the objects
 PRISM_SCENES: tuple[dict[str, Any], ...] = (
     {},
     {"alpha": 35, "prisms": 400},
@@ -168,7 +168,8 @@ def shows_the_same(view: OpenGLView, scene: AxialScene, size: Size) -> Mask:
     found = view.picture(size, SHADOW_RAYS, part=0)
     read = view.readout(size)["shown"][..., 0]
     agrees, named = np.ones(read.shape, bool), np.zeros(read.shape, bool)
-    changes = {SKY: white - black} | {OBJECT + k: coloured[k] - coloured[-1] for k in range(count)}
+    first = WINDOW_FRAME + len(scene.openings)
+    changes = {SKY: white - black} | {first + k: coloured[k] - coloured[-1] for k in range(count)}
     for thing, change in changes.items():
         shown = abs(change).max(-1) > 2
         agrees &= shown == (read == thing)
