@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from itertools import pairwise
 from pickle import dumps, loads
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from povgen.optics.faces import Indices
 from povgen.optics.rays import Opening, paths
 from povgen.scene.camera import Camera, Size
 from povgen.sheets.none import NoSheet
+from povgen.version import __version__
 
 HOLD_OUT = (0.37109375, 0.171875, 0.6171875)  # of ideal windows: light that 16 bits hold; nothing else has it
 COLUMNS = 1000  # of POV-Ray's picture
@@ -110,8 +111,23 @@ def file(openings: Sequence[Opening], camera: Camera, tile: int) -> File | None:
     """
     if all(opening.sheet.layers_at(0.0, 0) or isinstance(opening.sheet, NoSheet) for opening in openings):
         return None
-    content = dumps(Rays(tuple(openings), camera, tile))
-    return pictures.kept(f"rays-{sha256(content).hexdigest()}.inc", content)
+    # not of the pickled bytes: those of equal sheets differ if one of them has already computed its matrix
+    known = repr([__version__, _numbers(camera), tile, *map(_stated, openings)])
+    return pictures.kept(f"rays-{sha256(known.encode()).hexdigest()}.inc", dumps(Rays(tuple(openings), camera, tile)))
+
+
+def _stated(opening: Opening) -> list[object]:
+    """Return all that a ray through a window depends on. A profile's file counts by its text."""
+    sheet: Any = opening.sheet
+    values = sorted((name, _numbers(getattr(value, "text", value))) for name, value in sheet.values.items())
+    return [_numbers((opening.pose, opening.frame, opening.outline, sheet.aperture)), sheet.name, values]
+
+
+def _numbers(value: object) -> object:
+    """Return numbers, alone or in tuples, as floating-point numbers: a default can be a whole number. Others stay."""
+    if isinstance(value, tuple):
+        return [*map(_numbers, value)]
+    return float(value) if isinstance(value, (int, float)) else value
 
 
 def of_file(content: bytes) -> Rays:

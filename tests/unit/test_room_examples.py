@@ -54,3 +54,14 @@ def test_the_box_shows_what_is_behind_it_and_its_knight_elsewhere():
     places = {image.windows: image.position for image in room.images((0, -0.4, 0))}
     empty = {image.windows: image.position for image in room.replace(window=()).images((0, -0.4, 0))}
     assert abs(places["front",] - empty[()]) > 0.3
+
+
+def test_equal_rooms_have_the_same_rays_in_the_cache():
+    room, other = load("tilted"), load("tilted")
+    other.images((0, 0, 3))  # computes the sheets' matrices
+    again = Room(**room.model_dump())
+    assert room.rays_file.name == other.rays_file.name == again.rays_file.name
+    left, right = room.window
+    for change in ({"alpha": 31}, {"x": 1.9}, {"outline": "round"}, {"sheet": "lens"}):
+        assert room.replace(window=[left, right.replace(**change)]).rays_file.name != room.rays_file.name
+    assert room.replace(eye="z=-9").rays_file.name != room.rays_file.name
