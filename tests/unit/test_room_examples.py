@@ -28,6 +28,11 @@ def test_the_right_one_of_two_equal_windows_is_turned():
     assert right.replace(name="left", x=left.x, yaw=0) == left and right.yaw == 35
 
 
+def test_boards_are_turned_as_the_picture_of_the_turns_shows():
+    roll, pitch, yaw = (each.pose.axes for each in load("turns").object)
+    assert roll[0, 1] > 0.7 and pitch[1, 2] > 0.7 and yaw[0, 2] < -0.7  # right side up, top away, right side near
+
+
 def test_a_direction_that_goes_round_the_star_returns(rng):
     room = load("star")
     start = way = rng.normal(size=(20, 3))
