@@ -6,9 +6,11 @@ import { hasPrisms } from "./sheets.js";
 
 const AXES = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
-// What is particular to each preset: z1 of each object that a prediction is for, the floor's height, and all objects.
+// What is particular to each preset: z1 of each object that a prediction is for, the floor's height, all objects, and whether
+// predictions are for a piece, which stands on a pedestal on the floor.
 const PRESETS = {
   chess: {
+    hasPiece: true,
     z1: ({ z1 }) => [z1].flat(),
     floorY: (scene) => (scene.floor === "none" ? null : frameFoot(scene)),
     objects(scene, names) {
@@ -88,6 +90,10 @@ export function windows(scene) {
 
 // Extent of a window frame along z.
 export const depth = (scene) => Math.max(scene.aperture / 10, ...windows(scene).map((window) => 1.02 * thickness(window)));
+
+/** Whether the object of a preset, by the preset's name, is a piece on a pedestal.
+ * @returns {boolean} */
+export const hasPiece = (name) => Boolean(PRESETS[name].hasPiece);
 
 // z1 of every object.
 export const distances = (scene) => PRESETS[scene.name].z1(scene);

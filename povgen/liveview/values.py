@@ -6,7 +6,6 @@ from typing import Any
 from povgen.errors import InputError
 from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import File, as_png
-from povgen.objects.scene_object import Parts
 from povgen.optics.rays import Opening
 from povgen.scene import shader
 from povgen.scene.room import Room
@@ -48,7 +47,7 @@ def _preset(scene: AxialScene) -> dict[str, Any]:
 def _room(scene: Scene) -> dict[str, Any]:
     """Return the eye, the windows and the objects of any other scene."""
     assert isinstance(scene, Room)
-    parts = Parts([*pieces(scene)], shader.cards(scene).pictures)
+    names, shown = [*pieces(scene)], shader.cards(scene).pictures
     floor = next((each for each in scene.contents if each.kind == "floor"), None)
     return {
         "background": scene.background,
@@ -59,7 +58,7 @@ def _room(scene: Scene) -> dict[str, Any]:
                 "kind": shader.kind_of(each),
                 "place": each.pose[:3],
                 "axes": each.pose.axes.tolist(),
-                "numbers": each.numbers(parts),
+                "numbers": shader.numbers(each, names, shown),
                 "colour": each.colour,
             }
             for each in shader.drawn(scene)

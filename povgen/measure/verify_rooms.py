@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -67,11 +68,11 @@ def random_room(rng: Generator) -> Room:
     """Return a room of 2 to 6 windows and 3 to 8 objects in random poses, none in another, seen from 9 tiles away."""
     kinds = [IDEAL, (*IDEAL, *PRISMS)][rng.integers(2)]
     room = Room(eye=Eye(z=-9, view=6), background="white")
-    for wanted, make in ((rng.integers(2, 7), _window), (rng.integers(3, 9), _thing)):
+    for wanted, make in ((rng.integers(2, 7), partial(_window, kinds)), (rng.integers(3, 9), _thing)):
         made = 0
         while made < wanted:
             with suppress(InputError):  # it overlaps another, or the eye
-                thing = make(rng, kinds)
+                thing = make(rng)
                 name = "window" if isinstance(thing, Window) else "object"
                 room = room.replace(**{name: (*getattr(room, name), thing)})
                 made += 1
@@ -84,14 +85,14 @@ def _pose(rng: Generator) -> dict[str, float]:
     return dict(zip(("x", "y", "z", "yaw", "pitch", "roll"), map(float, (*place, yaw, *turns[1:])), strict=True))
 
 
-def _window(rng: Generator, kinds: tuple[str, ...]) -> Window:
+def _window(kinds: tuple[str, ...], rng: Generator) -> Window:
     width, height = rng.uniform(1, 2.2, 2)
     values: dict[str, Any] = {"sheet": rng.choice(kinds), "alpha": rng.uniform(-180, 180), "width": width}
     values |= {"height": height, "outline": rng.choice(["rectangle", "round"]), "frame": bool(rng.integers(2))}
     return Window(**values, prisms=20, **_pose(rng))
 
 
-def _thing(rng: Generator, kinds: tuple[str, ...]) -> SceneObject:  # noqa: ARG001
+def _thing(rng: Generator) -> SceneObject:
     kind = rng.choice(["sphere", "box", "text", "ruler", "pedestal", "piece"])
     values: dict[str, Any] = {"width": 0.8, "height": 0.6, "depth": 0.5} if kind == "box" else {}
     return OBJECTS[kind](**values, **_pose(rng))

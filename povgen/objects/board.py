@@ -13,7 +13,7 @@ from povgen.inputs import pictures
 from povgen.inputs.hdr import linear
 from povgen.inputs.pictures import File, Picture
 from povgen.objects.placed import Extent
-from povgen.objects.scene_object import Parts, SceneObject
+from povgen.objects.scene_object import SceneObject
 from povgen.optics.pose import Floats
 
 THICKNESS = 0.02  # tiles
@@ -65,9 +65,10 @@ Finish finish_board(vec3 p, vec4 n, vec3 colour) {
     def lengths(self) -> dict[str, float]:
         return {"width": self.size[0], "height": self.size[1], "depth": THICKNESS}
 
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:
+    @property
+    def numbers(self) -> tuple[float, ...]:
         width, height = self.size
-        return width / 2, height / 2, THICKNESS, parts.cards.index(self.picture)
+        return width / 2, height / 2, THICKNESS
 
     @property
     def point(self) -> Floats:

@@ -4,7 +4,7 @@ from pydantic import Field
 
 from povgen.inputs.fields import Colour
 from povgen.objects.placed import Extent, Length
-from povgen.objects.scene_object import Parts, SceneObject, surface
+from povgen.objects.scene_object import SceneObject, surface
 
 
 class Box(SceneObject):
@@ -32,10 +32,11 @@ vec3 normal_box(vec3 p, vec4 n) { return faceNormal(p / n.xyz); }
 Finish finish_box(vec3 p, vec4 n, vec3 colour) { return PlainTexture(srgb(colour)); }
 """
 
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
-        return self.width / 2, self.height / 2, self.depth / 2, 0
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        return self.width / 2, self.height / 2, self.depth / 2
 
     @property
     def box(self) -> Extent:
-        x, y, z, _ = self.numbers(Parts())
+        x, y, z = self.numbers
         return (-x, -y, -z), (x, y, z)

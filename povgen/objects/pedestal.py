@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from povgen.objects.placed import Extent, Length
-from povgen.objects.scene_object import Parts, SceneObject
+from povgen.objects.scene_object import SceneObject
 
 
 class Pedestal(SceneObject):
@@ -36,8 +36,9 @@ vec3 normal_pedestal(vec3 p, vec4 n) {
 Finish finish_pedestal(vec3 p, vec4 n, vec3 colour) { return PlinthTexture(p); }
 """
 
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
-        return self.width / 2, self.height, 0, 0
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        return self.width / 2, self.height
 
     @property
     def point(self) -> None:

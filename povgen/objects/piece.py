@@ -5,7 +5,7 @@ from pydantic import Field
 from povgen.inputs.fields import Colour, PieceValue
 from povgen.inputs.pieces import HEIGHTS, PIECES, PieceFile, radius
 from povgen.objects.placed import Extent
-from povgen.objects.scene_object import Parts, SceneObject
+from povgen.objects.scene_object import SceneObject
 from povgen.optics.pose import Floats
 
 
@@ -80,9 +80,6 @@ float reach_piece(vec3 o, vec3 d, vec4 n, float most) {
 Finish finish_piece(vec3 p, vec4 n, vec3 colour) { return Wood(colour, p); }
 #endif
 """
-
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:
-        return parts.volumes.index(str(self.piece)), 0, 0, 0
 
     @property
     def box(self) -> Extent:

@@ -5,7 +5,7 @@ POV-Ray's language (SDL) and in GLSL describe it in these coordinates. Colours a
 """
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import SerializerFunctionWrapHandler, model_serializer
@@ -15,13 +15,6 @@ from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PieceFile
 from povgen.objects.placed import Placed
 from povgen.optics.pose import Floats
-
-
-class Parts(NamedTuple):
-    """What objects share in a shader: the names of distance fields, and the pictures on cards."""
-
-    volumes: Sequence[str] = ()
-    cards: Sequence[Picture] = ()
 
 
 class SceneObject(Placed):
@@ -44,9 +37,13 @@ class SceneObject(Placed):
     def _with_kind(self, fields: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return {"kind": self.kind, **fields(self)}
 
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
-        """Return the numbers that the functions in GLSL need."""
-        raise NotImplementedError
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The numbers that the functions in GLSL need, up to four.
+
+        That of the distance field of `shape`, or of `picture` on a board, follows them.
+        """
+        return ()
 
     @property
     def called(self) -> str:

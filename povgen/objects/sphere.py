@@ -4,7 +4,7 @@ from pydantic import Field
 
 from povgen.inputs.fields import Colour
 from povgen.objects.placed import Extent, Length
-from povgen.objects.scene_object import Parts, SceneObject, surface
+from povgen.objects.scene_object import SceneObject, surface
 
 
 class Sphere(SceneObject):
@@ -30,8 +30,9 @@ vec3 normal_sphere(vec3 p, vec4 n) { return p / n.x; }
 Finish finish_sphere(vec3 p, vec4 n, vec3 colour) { return PlainTexture(n.y < 0.0 ? srgb(colour) : SphereColor(n.y)); }
 """
 
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
-        return self.radius, -1, 0, 0
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        return self.radius, -1
 
     @property
     def box(self) -> Extent:

@@ -1,5 +1,6 @@
 // The state in the page's address.
 
+import { hasPiece } from "../liveview/presets.js";
 import { pick } from "./data.js";
 import { choose, LANGUAGES, spoken } from "./language.js";
 import { MOST_CHOICES, QUESTIONS, revealed, setOwn } from "./questions.js";
@@ -11,7 +12,7 @@ export const SWITCHES = ["position", "circles", "image", "caption", "stray", "la
 export function toHash() {
   const { scene, sheet, piece, question } = state;
   const parts = { scene, sheet };
-  if (scene === "chess") parts.piece = piece;
+  if (hasPiece(scene)) parts.piece = piece;
   for (const name of ["alpha", "z1", "z2", "prisms"]) parts[name] = short(state[name]);
   if (inSeries()) parts.sheet2 = state.sheet2;
   const own = [...(inSeries() ? ["windows", "d"] : []), ...partsShown()].filter((name) => name in RANGES);

@@ -1,5 +1,6 @@
 // The panel of the questions: a class predicts and votes, and the page then shows the answer. Also a teacher's own questions.
 
+import { hasPiece } from "../liveview/presets.js";
 import { fromHash, SWITCHES, toHash } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";
 import { percent, printed, readNumber, say } from "./language.js";
@@ -114,7 +115,7 @@ export function drawQuestion() {
   if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
-  aid("drawing").hidden = Boolean(question.match) || state.scene !== "chess" || NOT_TURNED.includes(last);
+  aid("drawing").hidden = Boolean(question.match) || !hasPiece(state.scene) || NOT_TURNED.includes(last);
   if (aid("drawing").hidden) $("drawing").hidden = true;
   aid("drawing").setAttribute("aria-expanded", String(open("drawing")));
   session.dashed = dashedOutline(question, open("drawing"));

@@ -1,5 +1,6 @@
 // Inputs, tabs, marked quantities, and keys.
 
+import { hasPiece } from "../liveview/presets.js";
 import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { abs, finite, minus } from "./complex.js";
@@ -59,7 +60,7 @@ for (const [name, letters] of FIELDS) {
 // Of the spheres, an arrow key on the slider of z1 chooses the next one.
 $("slider-z1").addEventListener("keydown", (event) => {
   const aside = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
-  if (!aside || state.scene !== "spheres") return;
+  if (!aside || hasPiece(state.scene)) return;
   event.preventDefault();
   const { objects, z1 } = moment();
   const ordered = [...objects].sort((a, b) => a - b);
@@ -73,7 +74,7 @@ function numberField(input, step, values) {
     const x = readNumber(input.value);
     if (Number.isFinite(x)) given(values(x));
     else session.refusals = /[^\s.,+−-]/.test(input.value) ? [say("controls.not_a_number", { text: input.value })] : [];  // a sign begins a number
-    const noSphere = input.id === "number-z1" && state.scene === "spheres" && Math.abs(moment().z1 / x - 1) > 1e-3;
+    const noSphere = input.id === "number-z1" && !hasPiece(state.scene) && Math.abs(moment().z1 / x - 1) > 1e-3;
     if (noSphere) session.refusals = [say("controls.no_sphere", { z1: brief(x) })];
     refuse(session.refusals.length > 0);
     refresh();
@@ -190,7 +191,7 @@ export function showInputs(now) {
   for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").some((name) => shown.includes(name));
   for (const input of document.querySelectorAll(".choice input")) input.checked = state[input.name] === input.value;
   for (const name of ["piece", "light"]) $(name).value = state[name];
-  $("piece-choice").hidden = state.scene !== "chess";
+  $("piece-choice").hidden = !hasPiece(state.scene);
   for (const name of SWITCHES) $(`show-${name}`).checked = state[name];
   $("of-stray").hidden = !now.glass && state.light !== "prism";  // an ideal sheet has none
   $("show-circles").disabled = !now.two;

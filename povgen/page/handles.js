@@ -1,6 +1,7 @@
 // Dragging the object and the eye, in the picture and in the diagram; and moving them by the arrow keys.
 
 import { onArrows, onDrag } from "../liveview/pointer.js";
+import { hasPiece } from "../liveview/presets.js";
 import { abs, finite, minus, plus, scaled } from "./complex.js";
 import { $, clamped, refresh } from "./data.js";
 import { orientation } from "./diagram.js";
@@ -23,7 +24,7 @@ function underPointer(event, at, now) {
   if (state.light === "aim" && !handle && !outside(placeAt(at), now.scene)) change({ W: placeAt(at) });
   if (state.light === "aim" && (handle?.dataset.moves === "W" || !outside(placeAt(at), now.scene))) return "W";
   if (handle && state.position) return handle.dataset.moves;  // otherwise it is not seen
-  if (state.scene === "spheres") {
+  if (!hasPiece(state.scene)) {
     const found = sphereAt(at, now);
     if (found === undefined) return "E";
     change({ z1: now.objects[found] });

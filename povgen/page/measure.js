@@ -3,6 +3,7 @@
 
 import { radians } from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
+import { hasPiece } from "../liveview/presets.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
 import { $, clamped, element, on, refresh, write } from "./data.js";
 import { angle, brief, fixed, localised, printed, readNumber, say, separator, SYMBOL, tilesText } from "./language.js";
@@ -27,7 +28,7 @@ function measured() {
 
 // The height of the piece in tiles, as its outline says; 0 for spheres, and while the outline is not known.
 function height() {
-  const ys = state.scene === "chess" ? outlineOf(state.piece).flat().map(([, y]) => y) : [];
+  const ys = hasPiece(state.scene) ? outlineOf(state.piece).flat().map(([, y]) => y) : [];
   return ys.length ? Math.max(...ys) - Math.min(...ys) : 0;
 }
 

@@ -2,7 +2,7 @@
 // points are [x, y] as the eye sees them.
 
 import * as geometry from "../liveview/geometry.js";
-import { depth, distances, radius, windows } from "../liveview/presets.js";
+import { depth, distances, hasPiece, radius, windows } from "../liveview/presets.js";
 import { hasPrisms } from "../liveview/sheets.js";
 import { crossing, crossings, following, landing, meets, pole } from "./apparent.js";
 import { abs, arg, determinant, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
@@ -33,7 +33,7 @@ export function sceneValues() {
   }
   const back = frameDepth(values) / 2;
   values.z2 = Math.max(state.z2, leastZ2(back));
-  if (scene === "spheres") return { ...values, line: L };
+  if (!hasPiece(scene)) return { ...values, line: L };
   const foot = data.pedestals[piece];
   const z1 = Math.max(state.z1, back + foot + 0.001);
   return { ...values, piece, pedestal_halves: data.pedestals, z1, x: L[0], pedestal: L[1] - FLOOR };
@@ -49,7 +49,7 @@ export function moment() {
   const r = z2 / z1;
   /** @type {any} */
   const now = { scene, sheet, degrees, alpha, z1, z2, r, objects, L: state.L, E: state.E, prism: geometry.prism(scene) };
-  now.radii = state.scene === "spheres" ? objects.map((each) => radius(each, z2)) : [data.feet[state.piece]];
+  now.radii = hasPiece(state.scene) ? [data.feet[state.piece]] : objects.map((each) => radius(each, z2));
   now.windows = windows(scene);
   now.lenses = sheet === "lenticular";
   now.glass = !now.lenses && now.windows.some(hasPrisms);
@@ -202,7 +202,7 @@ function met(now, line) {
   const [x, y] = minus(point, L);
   if (beside) {
     // seen without the second window: not as the windows show it
-  } else if (state.scene === "spheres") {
+  } else if (!hasPiece(state.scene)) {
     if (abs([x, y]) <= radii[objects.indexOf(z1)]) return "thing";
   } else {
     const lines = outlineOf(state.piece);
@@ -211,7 +211,7 @@ function met(now, line) {
     const crosses = ([x, y]) => Math.abs(x) <= half && y <= 0 && y >= FLOOR - L[1];
     if ([-half, 0, half].some((z) => crosses(plus([x, y], scaled(z, slope))))) return "pedestal";
   }
-  if (slope[1] < 0) return state.scene === "spheres" ? "ground" : "floor";
+  if (slope[1] < 0) return hasPiece(state.scene) ? "floor" : "ground";
   return slope[1] < MOUNTAINS ? "mountains" : "sky";
 }
 
@@ -242,6 +242,6 @@ const isInWindow = (now, place) =>
 
 // Points of the object's outline, from L.
 function outlinePoints({ objects, z1, radii }) {
-  if (state.scene === "chess") return outlineOf(state.piece).flatMap((line) => line.filter((_, n) => n % 4 === 0));
+  if (hasPiece(state.scene)) return outlineOf(state.piece).flatMap((line) => line.filter((_, n) => n % 4 === 0));
   return [[0, 0], ...Array.from({ length: 12 }, (_, k) => scaled(radii[objects.indexOf(z1)], turn((k * Math.PI) / 6)))];
 }

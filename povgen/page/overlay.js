@@ -1,6 +1,7 @@
 // What is drawn on the picture: predicted positions, circles, the predicted image, the caption, and a key.
 
 import { radians } from "../liveview/geometry.js";
+import { hasPiece } from "../liveview/presets.js";
 import { abs, arg, finite, minus, plus, scaled, times, turn } from "./complex.js";
 import { $, data } from "./data.js";
 import * as equations from "./equations.js";
@@ -75,11 +76,11 @@ function paths(now) {
   return Object.entries(lines).flatMap(([kind, points]) => ["halo ", ""].map((under) => curve(`${under}${kind}${state.circles ? "" : " aid"}`, points)));
 }
 
-const hasImage = (now) => state.image && state.scene === "chess" && (now.two || now.beyond) && !now.beside;
+const hasImage = (now) => state.image && hasPiece(state.scene) && (now.two || now.beyond) && !now.beside;
 
 // The piece's outline where the sheets show it, by the equations. It is also where the piece can be dragged.
 function image(now) {
-  if (state.scene !== "chess" || !finite(now.place) || now.M > 3 * NEAR_POLE) return [];
+  if (!hasPiece(state.scene) || !finite(now.place) || now.M > 3 * NEAR_POLE) return [];
   const lines = outlineOf(state.piece).map((line) => apparentOutline(now, line.map((d) => plus(now.L, d))).map(onStage));
   return [svg("path", { class: `image q q-nu q-M${hasImage(now) ? "" : " hidden"}`, id: "image", d: along(lines, "Z") })];
 }
@@ -116,7 +117,7 @@ function marks(now, rem, box) {
     const chosen = z1 === now.z1;
     const out = edge(at, box, 0.6 * rem);
     const kind = `mark q q-P${chosen ? " chosen" : ""}${unsure(there) || now.beside ? " unsure" : ""}`;
-    const reach = state.scene === "spheres" ? Math.max(3, tilePixels() * now.radii[k] * appearance(there).M || 0) : 0.45 * rem;
+    const reach = hasPiece(state.scene) ? 0.45 * rem : Math.max(3, tilePixels() * now.radii[k] * appearance(there).M || 0);
     if (!out) rings.push(dot(`halo ${kind}`, at, reach), dot(kind, at, reach, chosen ? "predicted" : ""));
     if (chosen) parts.push(...nameOfP(at, out, [L, E], rem, reach));
   });

@@ -1,6 +1,7 @@
 // Parts of sentences.
 
 import { radians, shape } from "../liveview/geometry.js";
+import { hasPiece } from "../liveview/presets.js";
 import { linear } from "./apparent.js";
 import { abs, arg, minus } from "./complex.js";
 import { data } from "./data.js";
@@ -16,8 +17,8 @@ const pieceForms = (piece) => (entry(`things.${piece}`) ? forms(piece) : forms("
 export const bare = ({ z1, z2, d = 0 }) => z2 / (z2 + d + z1);
 
 // The forms of the name of the object at L. Of the spheres, that at a distance z1 is meant.
-export const thing = () => (state.scene === "spheres" ? forms("sphere") : pieceForms(state.piece));
-export const thingAt = (z1) => (state.scene === "spheres" ? forms("sphere_at", { z1: brief(z1) }) : thing());
+export const thing = () => (hasPiece(state.scene) ? pieceForms(state.piece) : forms("sphere"));
+export const thingAt = (z1) => (hasPiece(state.scene) ? thing() : forms("sphere_at", { z1: brief(z1) }));
 
 // Where a point is, for those who do not see it.
 export function placeSaid([x, y]) {

@@ -1,5 +1,6 @@
 // The three movies as presets: one quantity changes from a start to a stop. And POV-Ray's own movies.
 
+import { hasPiece } from "../liveview/presets.js";
 import { $, clamped, data, element, refresh, write } from "./data.js";
 import { brief, quantity, say, SYMBOL } from "./language.js";
 import { change, chosenBeyond, OPENING, replace, START, state, usesAlpha } from "./state.js";
@@ -123,7 +124,7 @@ export const player = {
 
 for (const [n, { name, scene, parameter }] of data.presets.entries()) {
   const button = element("button", { type: "button", value: n, id: `preset-${name}`, onclick: () => player.choose(data.presets[n]) });
-  Object.assign(button.dataset, { say: scene === "chess" ? "controls.vary" : "controls.vary_spheres", symbol: SYMBOL[parameter] });
+  Object.assign(button.dataset, { say: hasPiece(scene) ? "controls.vary" : "controls.vary_spheres", symbol: SYMBOL[parameter] });
   $("presets").append(button);
 }
 // While the page is hidden no frames are drawn: the movie then goes on where it was.

@@ -96,10 +96,10 @@ function scene(now) {
   const rays = state.light === "field" ? [] : bundle(now), shown = rays.filter(({ kind }) => state.stray || kind === "designed");
   const image = state.light === "pencil" && now.sheet !== "none" ? meeting(now.glass ? bundle(now, 11) : rays) : null;
   const near = image && image[2] > -1.6 * z2 - 1 && image[2] < last + 2 * z1 + 4 && Math.hypot(image[0], image[1]) < 6 ? image : null;
-  const ground = state.scene === "chess" ? FLOOR : -outer, below = squeeze < 1 ? 1.6 : 0.6;  // under it the scale is said
-  const half = state.scene === "chess" ? data.pedestals[state.piece] : radii[objects.indexOf(z1)];
+  const ground = presets.hasPiece(state.scene) ? FLOOR : -outer, below = squeeze < 1 ? 1.6 : 0.6;  // under it the scale is said
+  const half = presets.hasPiece(state.scene) ? data.pedestals[state.piece] : radii[objects.indexOf(z1)];
   const wide = 0.45 * say("light.image").length;  // half the label
-  const heights = state.scene === "chess" ? [FLOOR, L[1], L[1] + HIGHEST] : [L[1] - half, L[1] + half];
+  const heights = presets.hasPiece(state.scene) ? [FLOOR, L[1], L[1] + HIGHEST] : [L[1] - half, L[1] + half];
   const sides = heights.flatMap((y) => [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => room([L[0] + a * half, y, last + z1 + b * half], 0.4, 0.4, 0.4, below)));
   const extent = [
     room(eye, 1.2, 1.2, 2.7, 0.8), room(object, 0.4, 2.3, 1.3), ...sides, ...frames.map((point) => room(point, 0.4, 0.4, 0.4, below)),
@@ -161,7 +161,7 @@ function pane(kind, z, half, angle, count, view) {
 
 function objectParts({ L, z1, windows, objects, radii }, view) {
   const last = windows.at(-1).z;
-  if (state.scene === "spheres") {
+  if (!presets.hasPiece(state.scene)) {
     return objects.map((z, n) => dot(z === z1 ? "object q q-L" : "object other", view.to([...L, last + z]), Math.max(2, view.scale * radii[n])));
   }
   const half = data.pedestals[state.piece], z = last + z1;
@@ -179,7 +179,7 @@ function rayParts({ z1, z2, windows }, rays, image, { to }, rem) {
   for (const ray of [...rays].sort((a, b) => Number(a.kind === "designed") - Number(b.kind === "designed"))) {
     const points = [...ray.points];
     if (ray.kind !== "lost") points.push(at(ray, (end - points.at(-1)[2]) * ray.direction[2] > 0 ? end : points.at(-1)[2] + 2 * Math.sign(ray.direction[2])));
-    if (state.light === "aim" && state.scene === "chess") endOnFloor(points);
+    if (state.light === "aim" && presets.hasPiece(state.scene)) endOnFloor(points);
     parts.push(path(`ray ${ray.kind}`, points, to));
     if (ray.kind !== "designed") continue;
     if (state.light === "ray" && points.length > 2) parts.push(path("straight", [points[1], at({ points: [points[1]], direction: points[1].map((x, k) => x - points[0][k]) }, end)], to));

@@ -1,6 +1,6 @@
 // What the page shows. Lengths are in tiles, points are [x, y] as the eye sees them.
 
-import { frameFoot } from "../liveview/presets.js";
+import { frameFoot, hasPiece } from "../liveview/presets.js";
 import { clamped, data, pick } from "./data.js";
 import { brief, entry, isAngle, say, SETTINGS, SYMBOL } from "./language.js";
 
@@ -97,8 +97,8 @@ export function change(values) {
   const { L, E } = state;
   const aside = [-ASIDE, ASIDE];
   // in the chess scene, a pedestal and the floor are below
-  const heights = state.scene === "chess" ? [[FLOOR + LEAST_PEDESTAL, FLOOR + 10], [FLOOR + 0.05, ASIDE]] : [aside, aside];
-  const below = state.scene === "chess" ? { lower: "floor" } : {};
+  const heights = hasPiece(state.scene) ? [[FLOOR + LEAST_PEDESTAL, FLOOR + 10], [FLOOR + 0.05, ASIDE]] : [aside, aside];
+  const below = hasPiece(state.scene) ? { lower: "floor" } : {};
   state.L = [limited(component("x", "L"), L[0], aside), limited(component("y", "L"), L[1], heights[0], below)];
   state.W = state.W.map((x) => clamped(x, [-IN_WINDOW, IN_WINDOW]));
   if (["single", "lenticular"].includes(state.sheet)) state.windows = 1;

@@ -42,7 +42,7 @@ function objectSeen(now) {
   if (general && !(M > 0 && Number.isFinite(M))) return [];
   if (general && !Number.isFinite(turned)) return [say("seen.area", { thing: thingAt(z1), times: timesText((M / bare(now)) ** 2) })];  // it can be distorted
   if (Number.isNaN(nu) && !general) return [say("seen.torn", { thing: thing() })];
-  const sentence = `seen.${now.Z ? "through_both" : "turned"}${state.scene === "spheres" && !general ? "_about_eye" : ""}`;
+  const sentence = `seen.${now.Z ? "through_both" : "turned"}${!presets.hasPiece(state.scene) && !general ? "_about_eye" : ""}`;
   return [say(sentence, { thing: thingAt(z1), turned: turnedBy(turned, thing()), times: times(M) }), ...(now.Z ? [imageSentence(now)] : [])];
 }
 
@@ -51,7 +51,7 @@ function limitsMet({ z1, z2, d, scene }) {
   const depth = frameDepth(scene);
   const deep = (name, value) => say(`limits.${name}${depth > 1 ? "_deep" : ""}`, { value: brief(value), depth: tilesText(depth) });
   const met = [...session.refusals];
-  if (state.scene === "chess" && state.z1 < z1 * 0.999) met.push(deep("piece", z1));
+  if (presets.hasPiece(state.scene) && state.z1 < z1 * 0.999) met.push(deep("piece", z1));
   if (d && state.d < d * 0.999) met.push(say("limits.windows", { value: brief(d) }));
   if (state.z2 < z2 * 0.999) met.push(deep("eye", z2));
   return met;
@@ -69,7 +69,7 @@ function remarks(now) {
   }
   if (limits.length) found.push(...limits);
   else if (!now.nearPole && !unsure(now) && finite(now.place) && outside(now.place, scene) && contents(now).has("thing")) {
-    found.push(say(state.scene === "spheres" ? "seen.middle_outside" : "seen.foot_outside", { thing: thing() }));
+    found.push(say(presets.hasPiece(state.scene) ? "seen.foot_outside" : "seen.middle_outside", { thing: thing() }));
   }
   found.push(...lightWarnings(now));
   if ((sheet !== "single" || now.beyond) && now.glass && unsure(now) && !now.beside) found.push(doubt(now));
@@ -89,7 +89,7 @@ export function describe(now) {
 // Why an object turns less than the mountains. While a class is to find it or to measure it, nothing.
 function reason(now) {
   const found = isAsked() || (session.measuring && state.question < 0 && !session.measured);
-  if (found || !now.two || !now.alpha || now.nearPole || state.scene !== "chess" || !contents(now).has("thing")) return [];
+  if (found || !now.two || !now.alpha || now.nearPole || !presets.hasPiece(state.scene) || !contents(now).has("thing")) return [];
   return [say("describe.reason", { turned: turnedBy(now.alpha, forms("mountains")) })];
 }
 
@@ -161,7 +161,7 @@ function imageSentence({ scene, Z, z1, z2, total }) {
     return say("image.real", { place: imagePlace(W, z2, "first_window") });
   }
   const imaged = z1 + Z[1] / Math.sin(total);  // where Z is real
-  const least = presets.depth(scene) / 2 + (scene.name === "chess" ? data.pedestals[state.piece] : 0);
+  const least = presets.depth(scene) / 2 + (presets.hasPiece(scene.name) ? data.pedestals[state.piece] : 0);
   const instead = imaged > least && imaged < RANGES.z1[1] ? ` ${say("image.instead", { z1: brief(imaged) })}` : "";
   return say("image.none", { thing: thing() }) + instead;
 }

@@ -269,11 +269,14 @@ class Runner:
         width, height = (round(depth * pixels) for pixels in rendering.size)
         given = traced_rays.of_file(shown_files[rays])
         found, ends = traced_rays.Found.of(given, (width, height)), []
+
+        def rendered(band: Band, files: dict[str, bytes]) -> Path:
+            return tried(lambda: self._run(source, band, folder / str(next(attempts)), files))
+
         for number, rows, table in found.bands(given.tile):
             # the first row of POV-Ray's picture shows no ray of the table
             band = Band((traced_rays.COLUMNS, rows + 1), rendering.timeout, rendering.is_light)
-            parts = {**shown_files, rays: table}
-            picture = tried(lambda: self._run(source, band, folder / str(next(attempts)), parts))  # noqa: B023
+            picture = rendered(band, {**shown_files, rays: table})
             ends.append(light.read(picture, band.size)[1:].reshape(-1, 3)[:number])
         return light.write(found.picture(np.concatenate(ends)), rendering.size, rendering.is_light, folder)
 

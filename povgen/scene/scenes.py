@@ -31,7 +31,7 @@ from povgen.inputs.pieces import PIECES, PieceFile, radius
 from povgen.objects.floor import Floor
 from povgen.objects.pedestal import Pedestal
 from povgen.objects.piece import Piece
-from povgen.objects.scene_object import Parts, SceneObject
+from povgen.objects.scene_object import SceneObject
 from povgen.objects.sphere import Sphere
 from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot
 from povgen.optics.trace import End
@@ -280,8 +280,9 @@ class InRow(Sphere):
 
     share: float = Field(description="its number in the row, from 0, divided by that of all spheres")
 
-    def numbers(self, parts: Parts) -> tuple[float, float, float, float]:  # noqa: ARG002
-        return self.radius, self.share, 0, 0
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        return self.radius, self.share
 
     @property
     def colour(self) -> tuple[float, float, float]:

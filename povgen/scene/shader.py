@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from povgen.inputs.pictures import File, Picture
 from povgen.objects.board import Board, stacked
-from povgen.objects.scene_object import Parts, SceneObject
+from povgen.objects.scene_object import SceneObject
 from povgen.optics.faces import GlassSheet
 from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
@@ -119,7 +119,7 @@ def uniforms(
     """
     camera, floor = scene.camera, next((each for each in scene.contents if each.kind == "floor"), None)
     ground, boards = surroundings(scene).get("floor"), cards(scene)
-    things, parts = drawn(scene), Parts(names, boards.pictures)
+    things = drawn(scene)
     return {
         "eye": camera.eye,
         "viewMiddle": camera.middle,
@@ -142,10 +142,23 @@ def uniforms(
         "volumePlace": places,
         "objectPlace": [each.pose[:3] for each in things],
         "objectAxes": [each.pose.axes.tolist() for each in things],
-        "objectNumbers": [each.numbers(parts) for each in things],
+        "objectNumbers": [numbers(each, names, boards.pictures) for each in things],
         "objectColour": [each.colour for each in things],
         **_windows(scene.openings or [NO_WINDOW], to_live([scene])),
     }
+
+
+def numbers(thing: SceneObject, names: Sequence[str], shown: Sequence[Picture]) -> list[float]:
+    """Return the four numbers that an object's functions in GLSL need. `names` are as for `defines`.
+
+    `shown` are the pictures on boards.
+    """
+    found = [*thing.numbers]
+    if thing.shape:
+        found.append(names.index(str(thing.shape)))
+    elif thing.picture:
+        found.append(shown.index(thing.picture))
+    return found + [0.0] * (4 - len(found))
 
 
 def _windows(openings: Sequence[Opening], laws: Sequence[Text]) -> dict[str, Any]:

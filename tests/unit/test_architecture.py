@@ -138,3 +138,11 @@ def test_the_ray_trace_and_the_mesh_share_no_code():
 def test_a_scene_knows_nothing_of_files():
     for name in ("scenes", "model", "checks", "predictions"):
         assert not imports(MODULES[f"scene.{name}"]) & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}
+
+
+def test_no_code_asks_which_preset_a_scene_is():
+    """What a preset is, it states itself, or a property does."""
+    sources = [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.js"), *PACKAGE.rglob("*.glsl"), *PACKAGE.rglob("*.j2")]
+    asks = re.compile(r"isinstance\([^)]*\b(Chess|Spheres)\b|[!=]=+ [\"'](chess|spheres)[\"']")
+    found = [f"{path.name}: {line}" for path in sources for line in path.read_text().split("\n") if asks.search(line)]
+    assert not found, found
