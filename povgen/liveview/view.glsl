@@ -20,10 +20,20 @@ vec3 placeOf(vec2 pixel) {
   return viewMiddle + at.x * viewRight + at.y * viewUp;
 }
 
+// Where a ray crosses the end of a window's frame: the far one if side = 1, the near one if side = -1.
+vec2 openingAt(int w, float side, vec3 o, vec3 d) {
+  vec3 p = toWindow(w, o - windowPlace[w]), v = toWindow(w, d);
+  return p.xy + (side * windowDepth[w] / 2.0 - p.z) / v.z * v.xy;
+}
+
 // The window that a ray meets first, -1: none, and how far away. o is a point of the ray, which starts at t = `start`.
+// `last` is the window that it leaves, -1: none.
 int windowMet(vec3 o, vec3 d, float start, int last, out float reach) {
   int met = -1;
   reach = 1e30;
+#if defined(AXIAL) && WINDOWS > 1
+  if (last >= 0 && !isInWindow(last, openingAt(last, sign(d.z), o, d))) return -1;  // it meets the frame from inside
+#endif
   EACH_WINDOW(w) {
     vec3 p = toWindow(w, o - windowPlace[w]), v = toWindow(w, d);
 #ifdef PRISMS
@@ -33,8 +43,8 @@ int windowMet(vec3 o, vec3 d, float start, int last, out float reach) {
 #endif
     float t = (-sign(v.z) * half_ - p.z) / v.z;
     bool enters = w != last && kind[w] != -2 && isInWindow(w, p.xy + t * v.xy);  // an empty window leaves light as it is
-#if defined(AXIAL) && WINDOWS == 1
-    enters = enters && isInWindow(w, p.xy + (-windowDepth[w] / 2.0 - p.z) / v.z * v.xy);
+#ifdef AXIAL
+    enters = enters && isInWindow(w, openingAt(w, -sign(d.z), o, d));
 #endif
     if (enters && t > start && t < reach) {
       met = w;
@@ -91,17 +101,20 @@ Seen see(vec3 place) {
 #if defined(AXIAL) && WINDOWS == 1  // a ray into its frame meets nothing else before the sheets
   if (windowMet(o, d, start, -1, reach) == 0 && endsIn(0, seen, o, reach)) return seen;
 #else
-  int met = windowMet(o, d, start, -1, reach);
+  int last = -1, met = windowMet(o, d, start, last, reach);
   for (int k = 0; k < MOST_WINDOWS && met >= 0; k++) {
 #ifdef AXIAL
-    seen.hit.t = reach - start;
-    meetFrames(seen.origin, seen.direction, seen.hit);
+    if (abs(met - last) > 1) {  // otherwise nothing stands between these windows' openings
+      seen.hit.t = reach - start;
+      meetFrames(seen.origin, seen.direction, seen.hit);
+    }
 #else
     seen.hit = meet(seen.origin, seen.direction, reach - start);
 #endif
     if (seen.hit.what != SKY || endsIn(met, seen, o, reach)) return seen;
     start = 0.0;
-    met = windowMet(o, seen.direction, start, met, reach);
+    last = met;
+    met = windowMet(o, seen.direction, start, last, reach);
   }
   seen.lost = met >= 0;
 #endif
