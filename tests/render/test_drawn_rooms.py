@@ -27,7 +27,7 @@ def differing(one, other, most=15):
     return (abs(one - other).max(-1) >= most).mean()
 
 
-@pytest.mark.parametrize("seed", [1, 5, 7, pytest.param(12, marks=pytest.mark.release)])
+@pytest.mark.parametrize("seed", [1, 5, 16, pytest.param(12, marks=pytest.mark.release)])
 def test_both_renderers_and_the_ray_trace_agree_on_a_random_room(seed):
     room = verify_rooms.random_room(np.random.default_rng(seed))
     view = OpenGLView(room)
