@@ -24,7 +24,6 @@ from povgen.optics.rays import Bundle, Traced
 from povgen.optics.trace import End
 from povgen.scene import camera, survey
 from povgen.scene.scenes import AxialScene
-from povgen.video.side import image_of
 
 Numbers = Sequence[float]
 Way = Callable[[Sequence[Any], Size], Numbers]
@@ -151,7 +150,7 @@ def parallax(scenes: Sequence[Positions], size: Size) -> Numbers:
     off, seen = [], [each for _, each in located(scenes, size)]
     for one, other, left, right in zip(scenes[::2], scenes[1::2], seen[::2], seen[1::2], strict=True):
         z2_over_distance = 1 - (left.position - right.position) / (one.E - other.E)
-        expected, _ = image_of(one, [one.L], one.z1)
+        expected, _ = one.image_plane([one.L], one.z1)
         off.append(100 * abs(one.z2 / z2_over_distance - one.z2 - expected) / abs(expected))
     return (np.max(off),)
 

@@ -199,7 +199,7 @@ def paths(scene: Scene) -> Paths:
     return Paths(scene.camera, scene.named_openings)
 
 
-@lru_cache(maxsize=4096)  # caption, legend, overlay and plan need them
+@lru_cache(maxsize=4096)  # caption, legend and overlay need them
 def object_images(scene: Scene) -> list[tuple[SceneObject, list[Image]]]:
     """Return the objects that have a point (`SceneObject.point`), and the images of each one's."""
     points = [(each, point) for each in scene.contents if (point := each.point) is not None]

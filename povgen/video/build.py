@@ -26,7 +26,7 @@ from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Options, Rendering
 from povgen.validation import Model, as_flag, is_several
 from povgen.video import encode
-from povgen.video.side import HEIGHT
+from povgen.video.side import MOST
 from povgen.video.still import pictures, record_of
 
 
@@ -234,7 +234,7 @@ def checked_movie(
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     width, height = rendering.size
     if rendering.side_view:
-        height += 2 * round(HEIGHT * height / 2)
+        height += 2 * round(MOST * height / 2)  # at most
     width *= 2 if rendering.stereo == "pair" else 1
     encode.check_size(output.suffix.lower(), width, height)
     if output.suffix.lower() == ".gif":

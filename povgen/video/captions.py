@@ -20,7 +20,6 @@ from povgen.sheets import PARAMETERS
 from povgen.sheets.parameters import WAVELENGTH
 from povgen.sheets.prisms import PRISMS
 from povgen.sheets.sheet import Parameter, Said, Sheet
-from povgen.video.side import image_of
 from povgen.video.text import text_width
 
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
@@ -167,7 +166,8 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
     decimals that a frame in which the object has an image reads differently from one in which it has none.
     """
     imaged = [
-        tuple(side_view and bool(np.isnan(image_of(scene, [L], z1)[0])) for L, z1 in scene.objects) for scene in scenes
+        tuple(side_view and bool(np.isnan(scene.image_plane([L], z1)[0])) for L, z1 in scene.objects)
+        for scene in scenes
     ]
     used = {name for scene in scenes for name in used_parameters(scene)}
     rows = [_numbers(scene, used) for scene in scenes]

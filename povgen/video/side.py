@@ -1,288 +1,313 @@
-"""A view of a scene from the side or from above, to scale: the eye, the windows, the objects, and their images."""
+"""A view of a scene from the side or from above, to scale: eye, windows, objects, images, and light to the eye."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw
 
-from povgen.inputs.fields import MAX_ASIDE
-from povgen.optics import apparent
-from povgen.scene.scene import Scene
+from povgen.inputs.pieces import PieceFile
+from povgen.objects.piece import Piece
+from povgen.objects.scene_object import SceneObject
+from povgen.objects.sphere import Sphere
+from povgen.optics.faces import Floats
+from povgen.optics.paths import Paths
+from povgen.optics.rays import Opening
+from povgen.scene.scene import Scene, paths
 from povgen.scene.scenes import AxialScene
-from povgen.video import plan
-from povgen.video.plan import Plan
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
-HEIGHT = 0.38  # of the side view, as a fraction of the picture's height
+MOST = 0.5  # height of the view at most, as a fraction of the picture's height
+SMALLER = 0.8  # size of a name that does not fit otherwise, as a multiple of the usual one
 FINER = 3  # the lines are drawn on a grid of pixels that is finer by this factor, for smooth edges
-FARTHEST = 4  # what is farther from the windows than this multiple of z2 is left out
-HIGHEST = 2  # an image is left out if it reaches higher than this multiple of the highest object, or of the window
-LINE, RAY, OTHER_RAYS = (130, 135, 145), (230, 235, 245), (190, 200, 220)
-SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
-ARROW = 1.2  # height of the arrow that stands for a piece, tiles
-# Where the other rays end, relative to the eye: x + iy, in units of the aperture. The two directions differ, so that
-# rays without a common point seem to have none from the side and from above.
+FARTHEST = 4  # what is farther from the eye than this multiple of the farthest window's distance is left out
+HIGHEST = 2  # an image is left out if it reaches farther from the z axis than this multiple of the rest
+ARROW = 1.2  # height of the arrow that stands for a piece from a file, tiles
+RAYS = 9  # from the eye, through the middle row or column of the picture of a room
+# Points beside the eye to which light runs: x + iy, in units of the first window's width. The two directions differ, so
+# that rays without a common point seem to have none from the side and from above.
 ASIDE = 0.45 * np.exp(1j * np.radians((45, 165)))
+LIGHT, BESIDE, RAY = (255, 196, 120), (190, 134, 76), (110, 116, 128)
+SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
+OTHER = (130, 135, 145)  # objects without a point, such as pedestals
+EYE = ((1, 1, (255, 255, 255)), (0.55, 0.55, (60, 110, 170)), (0.45, 0.3, (10, 10, 14)))  # discs: place, radius, colour
+BOX = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4]  # a line through the corners of a box, along all its edges
+
+Colour = tuple[int, int, int]
 
 
 class Extent(NamedTuple):
-    """What a side view shows: least and greatest z, and up to which distance from the z axis, tiles.
-
-    If the eye moves only sideways, the view is from above, because from the side nothing would move.
-    """
+    """What a view shows: least and greatest z, and heights in the view, tiles: y, and from above -x."""
 
     first: float
     last: float
-    reach: float
+    low: float
+    high: float
     from_above: bool
+
+    def at(self, points: ArrayLike) -> Floats:
+        """Return z and the height of points (..., 3) in the view, (..., 2)."""
+        points = np.asarray(points)
+        return np.stack((points[..., 2], -points[..., 0] if self.from_above else points[..., 1]), -1)
 
 
 class Thing(NamedTuple):
-    """An object, or its image, in a side view: x + iy of its points in the plane z, tiles."""
+    """What is drawn: a line, or a mark, which is an arrow, or a disc if its radius is more than the arrow's length."""
 
-    from_above: bool
-    is_disc: bool  # as spheres are, and from above the feet of pieces; otherwise it is an arrow
-    z: float  # of an image NaN if light from the object never comes together, and infinite if it is parallel
-    place: complex  # of a piece the centre of its foot, of a sphere its centre
-    tip: complex  # of the arrow that stands for a piece
-    rim: complex  # a point on the circle of a sphere, or of a piece's foot
-
-    @property
-    def radius(self) -> float:
-        """The radius of the disc that is drawn, or 0 for an arrow."""
-        return abs(self.rim - self.place) if self.is_disc else 0.0
+    name: str  # or nothing
+    points: Floats  # (n, 3), corners of a line; of a mark its place, the arrow's end and a point of the disc's rim
+    colour: Colour
+    is_mark: bool = False
+    source: Floats | None = None  # where its light begins, (3,)
 
     @property
-    def heights(self) -> list[float]:
-        """How high its ends are in the view."""
-        middle = _height(self.place, self.from_above)
-        if self.is_disc:
-            return [middle - self.radius, middle + self.radius]
-        return [middle, _height(self.tip, self.from_above)]
+    def around(self) -> Floats:
+        """Points (n, 3) of which no part of it is outside."""
+        if not self.is_mark:
+            return self.points
+        place, tip, rim = self.points
+        across = np.linalg.norm(rim - place) * np.array([1, (tip == place).all(), 1])
+        return np.stack((place - across, place + across, tip))
 
 
-class Shown(NamedTuple):
-    """An object in a side view."""
+def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent:
+    """Return what a view shows that has the eyes, windows, objects and images of all these scenes.
 
-    thing: Thing
-    image: Thing
-    z1: float
-
-
-def extent(scenes: Collection[Scene], aside: float = 0.0) -> Extent | Plan:
-    """Return the extent of a side view that shows the eyes, windows, objects and images of all these scenes.
-
-    Where a scene is a room, all have a plan in place of a side view. The eyes of a stereo pair stand `aside`, tiles, to
-    the left and to the right of a scene's eye.
+    It is from above if there is more to see along x than along y: by the windows' places and where they face, then by
+    the eyes, then by all things. The eyes of a stereo pair stand `aside`, tiles, to the left and to the right.
     """
-    axial = [scene for scene in scenes if isinstance(scene, AxialScene)]
-    return plan.extent(scenes, aside) if len(axial) < len(scenes) else _extent(axial, aside)
+    poses = [opening.pose for scene in scenes for opening in scene.openings]
+    facing = np.array([pose.place + way * pose.axes[2] for pose in poses for way in (-1, 1)]).reshape(-1, 3)
+    eyes, right = (np.array([getattr(scene.camera, part) for scene in scenes]) for part in ("eye", "right"))
+    around = [thing.around for scene in scenes for thing in _shown(scene)[0]]
+    things = np.array([*eyes, *(ends for points in around for ends in (points.min(0), points.max(0)))])
+    # what is equally spread but for rounding does not decide
+    spread = [np.round(np.ptp(points, axis=0), 6) for points in (facing, eyes, things) if len(points)]
+    from_above = bool([x for x, _, _ in spread] > [y for _, y, _ in spread])
+    seen = Extent(0, 0, 0, 0, from_above).at([*things, *(eyes - aside * right), *(eyes + aside * right)])
+    (first, low), (last, high) = ((float(z), float(h)) for z, h in (seen.min(0), seen.max(0)))
+    return Extent(first, max(last, first + 0.1), low - 0.1, high + 0.1, from_above)
 
 
-def _extent(scenes: Collection[AxialScene], aside: float) -> Extent:
-    eyes = {scene.E for scene in scenes}
-    from_above = len(eyes) > 1 == len({E.imag for E in eyes})
-    ends, heights = [0.0], [0.1]
-    for scene in scenes:
-        shown, there = _shown(scene, from_above)
-        drawn = [*(each.thing for each in shown), *there]
-        ends += [-scene.z2, *scene.places, *(each.z + way * each.radius for each in drawn for way in (-1, 1))]
-        high = [height for each in drawn for height in each.heights]
-        high += [_height(place, from_above) for place in (scene.E - aside, scene.E + aside)]
-        heights += [scene.aperture / 2, *map(abs, high)]
-    return Extent(min(ends), max(ends), max(heights), from_above)
+def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None) -> NDArray[np.uint8]:
+    """Return a strip with the view for a picture of this size. Its height is even, and at most MOST of the picture's.
 
-
-def _height(place: complex, from_above: bool) -> float:
-    """Return how high a place is in the view, tiles: y, and from above -x."""
-    return -place.real if from_above else place.imag
-
-
-def image_of(scene: AxialScene, points: Sequence[complex], z1: float) -> tuple[float, NDArray[np.complex128]]:
-    """Return z of the image of points at the distance z1, tiles, and the points' images (`apparent.image`).
-
-    The image is that of ideal sheets, of which prisms are an approximation. Without an image z is NaN.
+    z points to the right, y up; in a view from above the left is up. `shows` is what is shown, in a movie that of all
+    its scenes; by default it is that of this scene. Warm lines are light from the objects to the eye (`Scene.images`),
+    and from a single object also to points beside the eye. Thin lines continue it to a virtual image. In a room, grey
+    lines are rays from the eye. Objects beyond FARTHEST are left out, and the text says how many.
     """
-    distances = np.diff((-scene.z2, *scene.places))
-    windows = [(float(d), sheet.thin) for d, sheet in zip(distances, scene.sheets, strict=True)]
-    return apparent.image(points, z1, windows)
+    drawing = Drawing(shows or extent([scene]), width, height)
+    things, farther, note = _shown(scene)
+    if not isinstance(scene, AxialScene):
+        drawing.fan(scene, width / height)
+    images = [thing.points[0, 2] for thing in things if thing.colour == IMAGE]
+    for colour, corners in _light(scene, [thing.source for thing in things if thing.source is not None]):
+        if len(images) == 1 and len(corners) > 2 and (z := images[0]) > 0:
+            eye, bend = corners[:2]
+            drawing.line([bend, eye + (z - eye[2]) / (bend[2] - eye[2]) * (bend - eye)], BESIDE, 0.4)
+        drawing.line(corners, colour)
+    for thing in things:
+        drawing.thing(thing)
+    title = ("from above" if drawing.shows.from_above else "from the side") + f", {farther} farther" * (farther > 0)
+    names = {thing.name: drawing.pixels(thing.around) for thing in things if thing.name}
+    above = {thing.name for thing in things if thing.colour == SHEET}
+    first = {note: names[things[0].name], "eye": drawing.eye(scene)} if note else {"eye": drawing.eye(scene)}
+    return drawing.labelled(title, {**first, **dict(reversed(names.items()))}, above)
 
 
-def _shown(scene: AxialScene, from_above: bool = False) -> tuple[list[Shown], list[Thing]]:
-    """Return the objects that are not too far (FARTHEST), and the images that are not too far or too high (HIGHEST).
+class Drawing:
+    """A view that is being drawn. Lengths are in tiles, but the text's `size` and `solid` are in pixels."""
 
-    The images are those of ideal sheets, of which prisms are an approximation. Without sheets there are none.
+    def __init__(self, shows: Extent, width: int, height: int) -> None:
+        self.shows = shows
+        self.size = size = min(max(TEXT * height, min(LEGIBLE, MAX_TEXT * height)), width / 13)
+        wide, high = shows.last - shows.first, shows.high - shows.low
+        self.scale = min((width - 4 * size) / wide, (MOST * height - 3.4 * size) / high)
+        rows = 2 * int(min(self.scale * high + 5 * size, MOST * height) / 2)
+        left = (width - self.scale * wide) / 2 - self.scale * shows.first
+        self.origin = left, rows / 2 + self.scale * (shows.high + shows.low) / 2
+        self.image = Image.new("RGB", (FINER * width, FINER * rows), STRIP)
+        self.draw = ImageDraw.Draw(self.image)
+        self.thick = FINER * max(1.0, height / 280)
+        self.solid: list[Floats] = []  # points (n, 2) that names should not cover
+
+    def pixels(self, points: ArrayLike) -> Floats:
+        """Return the places in the strip, (..., 2), of points (..., 3)."""
+        return np.asarray(self.origin + self.shows.at(points) * (self.scale, -self.scale))
+
+    def line(self, points: ArrayLike, colour: Colour, times: float = 1) -> None:
+        """Draw a line through points (n, 3)."""
+        corners = self.pixels(points)
+        width = max(1, round(times * self.thick))
+        self.draw.line([*map(tuple, FINER * corners)], fill=colour, width=width, joint="curve")
+        if colour not in (RAY, BESIDE):
+            self.solid += [*(corners[:-1] + np.linspace(0, 1, 25)[:, None, None] * np.diff(corners, axis=0))]
+
+    def disc(self, middle: Floats, radius: float, colour: Colour) -> None:
+        """Draw a disc. Lengths are in pixels of the finer grid."""
+        x, y = middle
+        self.draw.ellipse([x - radius, y - radius, x + radius, y + radius], fill=colour)
+
+    def thing(self, thing: Thing) -> None:
+        """Draw a line or a mark. Windows and images are thicker, so that an object does not hide its image."""
+        times = 2 if thing.colour in (SHEET, IMAGE) else 1
+        if not thing.is_mark:
+            self.line(thing.points, thing.colour, times)
+            return
+        place, tip, _ = FINER * self.pixels(thing.points)
+        radius = max(FINER * self.scale * float(np.linalg.norm(thing.points[2] - thing.points[0])), 2 * self.thick)
+        way, length = tip - place, float(np.linalg.norm(tip - place))
+        if length <= radius:
+            self.disc(place, radius + (times - 1) * self.thick, thing.colour)
+        else:
+            head = min(4 * self.thick, length / 1.6) * way / length
+            across, base = np.array([-head[1], head[0]]), tip - 1.6 * head
+            self.draw.line([*place, *base], fill=thing.colour, width=round((1 + times) * self.thick))
+            self.draw.polygon([*map(tuple, (tip, base + across, base - across))], fill=thing.colour)
+        self.solid += [self.pixels(thing.around), (place + np.linspace(0, 1, 25)[:, None] * way) / FINER]
+
+    def fan(self, scene: Scene, ratio: float) -> None:
+        """Draw rays from the eye through the picture's middle row, or from the side its middle column."""
+        first, last, low, high, _ = self.shows
+        across = np.linspace(-0.49, 0.49, RAYS) * scene.camera.height * (ratio if self.shows.from_above else 1j)
+        legs = paths(scene).walk(scene.camera.through(across))
+        for n in range(RAYS):
+            run = [leg for leg in legs if np.isfinite(leg.start[n]).all()]
+            far = min(run[-1].length[n], 2 * (last - first + high - low))
+            self.line([*(leg.start[n] for leg in run), run[-1].start[n] + far * run[-1].direction[n]], RAY, 0.7)
+
+    def eye(self, scene: Scene) -> Floats:
+        """Draw an eye that looks to the picture's middle. Light ends on its cornea. Return its corners, pixels."""
+        place, ahead = FINER * self.pixels([scene.camera.eye, scene.camera.middle])
+        radius = 0.5 * FINER * self.size
+        way = radius * (ahead - place) / max(float(np.linalg.norm(ahead - place)), 1e-9)
+        for far, large, colour in EYE:
+            self.disc(place - far * way, large * radius, colour)
+        self.solid.append((place - way + radius * np.array([[-1, -1], [1, 1]])) / FINER)
+        return self.solid[-1]
+
+    def labelled(self, title: str, names: Mapping[str, Floats], above: Collection[str]) -> NDArray[np.uint8]:
+        """Return the strip, with a title in the corner, and with names below or `above` points (n, 2), pixels.
+
+        A name that would cover things or other names has another place near its points, or is smaller, or left out.
+        """
+        image = self.image.reduce(FINER)
+        draw, solid = ImageDraw.Draw(image), np.concatenate(self.solid)
+        edge = max(1, round(self.size / 12))
+        write(draw, 0.3 * self.size, 0.9 * self.size, title, self.size, edge, dark=False)
+        taken = [(0.0, 0.0, (0.6 + text_width(title)) * self.size, 1.5 * self.size)]  # left, upper, right, lower edges
+        for name, around in names.items():
+            for left, middle, size in _places(around, text_width(name), self.size, name in above):
+                wide = text_width(name) * size
+                x = min(max(left, 0.3 * size), image.width - wide - 0.3 * size)
+                y = min(max(middle, 0.7 * size), image.height - 0.7 * size)
+                box = x, y - 0.6 * size, x + wide, y + 0.6 * size
+                hides = any(box[0] < c and a < box[2] and box[1] < d and b < box[3] for a, b, c, d in taken)
+                if x > 0 and not hides and not ((solid > box[:2]) & (solid < box[2:])).all(-1).any():
+                    taken.append(box)
+                    write(draw, x, y, name, size, edge, dark=False)
+                    break
+        return np.asarray(image)
+
+
+def _places(around: Floats, relative: float, most: float, is_above: bool) -> Iterator[tuple[float, float, float]]:
+    """Yield places for a name near things, the best first: its left edge, its middle and its size.
+
+    `relative` is its width in units of its size, and `most` the greatest size.
     """
-    most, last, is_chess = FARTHEST * scene.z2, scene.places[-1], bool(scene.pieces)
-    shown, high = [], [scene.aperture / 2]
-    for (L, z1), radius in zip(scene.objects, scene.radii, strict=True):
-        if z1 <= most:
-            points = [L, L + 1j * ARROW * is_chess, L + radius]
-            z, places = image_of(scene, points, z1)
-            look = from_above, from_above or not is_chess
-            shown.append(Shown(Thing(*look, last + z1, *points), Thing(*look, z, *map(complex, places)), z1))
-            high += map(abs, shown[-1].thing.heights)
-    there = [each.image for each in shown if -most <= each.image.z <= last + most and not scene.is_empty]
-    return shown, [each for each in there if max(map(abs, each.heights)) <= HIGHEST * max(high)]
+    (left, top), (right, bottom) = around.min(0), around.max(0)
+    for size in (most, SMALLER * most):
+        wide, wrong = relative * size, 3.5  # how much worse the wrong side is, in lines
+        beside = 1.4 + 1.6 * is_above
+        places = [(beside, right + 0.4 * size, (top + bottom) / 2)]
+        places += [(beside + 0.2, left - 0.4 * size - wide, (top + bottom) / 2)]
+        for lines, aside in product(range(5), (0, 0.6, -0.6, 1.2, -1.2)):
+            x, worse = (left + right - wide) / 2 + aside * wide, lines + 10 * aside**2
+            places += [(worse + wrong * is_above, x, bottom + (0.7 + lines) * size)]
+            places += [(worse + wrong * (not is_above), x, top - (0.7 + lines) * size)]
+        yield from ((x, y, size) for _, x, y in sorted(places))
 
 
-def side_view(scene: Scene, width: int, height: int, shows: Extent | Plan | None = None) -> NDArray[np.uint8]:
-    """Return a strip with the side view for a picture of this size. Its height is even.
+def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
+    """Return windows, images and objects of a scene, how many objects are too far, and what is said of an image.
 
-    z points to the right, y up; in a view from above the left is up. Objects beyond FARTHEST, and their images, are
-    left out, and the text says how many. `shows` is the extent that is shown, in a movie that of all its scenes.
-    Without it, the extent is that of this scene. A room has a plan in place of a side view.
+    Objects that take no room, such as the floor, do not count.
     """
-    shows = shows or extent([scene])
-    if isinstance(shows, Plan) or not isinstance(scene, AxialScene):
-        assert isinstance(shows, Plan)  # `extent` of scenes with a room
-        return plan.plan(scene, width, height, shows)
-    return _side_view(scene, width, height, shows)
+    eye = np.array(scene.camera.eye)
+    places = [opening.pose.place for opening in scene.openings] or [np.array(scene.camera.middle)]
+    most = FARTHEST * max(float(np.linalg.norm(place - eye)) for place in places)
+    names = [(name.removeprefix("window") or name) if n else name for n, name in enumerate(scene.named_openings)]
+    windows = [Thing(name, _outline(opening), SHEET) for name, opening in zip(names, scene.openings, strict=True)]
+    if names == ["window1"]:
+        sheet = scene.sheets[0]
+        word = "window" if scene.is_empty else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
+        windows = [windows[0]._replace(name=word)]
+    solid = [each for each in scene.contents if np.ptp(each.box)]
+    objects = [_object(each) for each in solid if np.linalg.norm(each.pose.place - eye) <= most]
+    farther = sum(each.point is not None for each in solid) - sum(each.source is not None for each in objects)
+    images: list[Thing] = []
+    note = ""
+    if isinstance(scene, AxialScene) and not scene.is_empty:
+        high = HIGHEST * max(abs(thing.around[:, :2]).max() for thing in windows + objects)
+        images, note = _images(scene, [thing for thing in objects if thing.is_mark], most, high)
+    return windows + images + objects, farther, note
 
 
-def _side_view(scene: AxialScene, width: int, height: int, shows: Extent) -> NDArray[np.uint8]:
-    first, last, reach, from_above = shows
-    shown, there = _shown(scene, from_above)
-    rows = 2 * round(HEIGHT * height / 2)
-    size = max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
-    size = min(size, width / 12)  # else the margins of a narrow picture would leave no space
-    scale = min((width - 6 * size) / (last - first), (rows - 3.4 * size) / (2 * reach))
-    left = (width - scale * (last - first)) / 2 - scale * first
-    middle = rows / 2
+def _images(scene: AxialScene, objects: Sequence[Thing], most: float, high: float) -> tuple[list[Thing], str]:
+    """Return the images of objects, and what is said if there is none.
 
-    def at(z: float, place: complex) -> tuple[float, float]:
-        return FINER * (left + scale * z), FINER * (middle - scale * _height(place, from_above))
-
-    image = Image.new("RGB", (FINER * width, FINER * rows), STRIP)
-    draw = ImageDraw.Draw(image)
-    thick = FINER * max(1, round(height / 240))
-    draw.line([at(first, scene.E), at(last, scene.E)], fill=LINE, width=thick // 2)
-    if len(shown) == 1:
-        for eye, points in _rays(scene, shown[0])[::-1]:
-            colour = RAY if eye == scene.E else OTHER_RAYS
-            (z, end), (window, start) = points[:2]
-            if (beyond := abs(_height(end, from_above))) > reach:  # there the texts stand
-                near = abs(_height(start, from_above))
-                part = (reach - near) / (beyond - near)
-                points[0] = window + part * (z - window), start + part * (end - start)
-            draw.line([at(z, place) for z, place in points], fill=colour, width=thick, joint="curve")
-    half = scene.aperture / 2
-    for z in scene.places:
-        draw.line([at(z, -half * (1 + 1j)), at(z, half * (1 + 1j))], fill=SHEET, width=2 * thick)
-
-    def show(each: Thing, colour: tuple[int, int, int], width: int) -> None:
-        radius = FINER * scale * each.radius if each.is_disc else None
-        _object(draw, at(each.z, each.place), at(each.z, each.tip)[1], radius, colour, width)
-
-    for each in shown:
-        if each.image in there:  # wider if the object covers it, so that both are seen
-            place, other = ([part.z, *part.heights] for part in (each.thing, each.image))
-            show(each.image, IMAGE, thick * (1 + bool(np.allclose(place, other, atol=1e-6))))
-        show(each.thing, OBJECT, thick)
-    x, y = at(-scene.z2, scene.E)
-    draw.ellipse([x - 3 * thick, y - 3 * thick, x + 3 * thick, y + 3 * thick], fill="white")
-    image = image.reduce(FINER)
-    draw = ImageDraw.Draw(image)
-    write(draw, 0.3 * size, 0.9 * size, "from above" if from_above else "from the side", size)
-    numbers = [(z, f"window {n}" if n == 1 else str(n)) for n, z in enumerate(scene.places, 1)]
-    sheet = scene.sheets[0]
-    word = "window" if sheet.name == "none" else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
-    windows = numbers if scene.window else [(0.0, word)]
-    for names, aside in ((windows, -1), (_names(scene, shown, there, last), 1)):
-        labels = [(left + scale * z, text) for z, text in names]
-        _labels(draw, labels, middle + aside * (scale * (reach if aside > 0 else half) + 0.9 * size), size, width)
-    return np.asarray(image)
-
-
-def _names(scene: AxialScene, shown: Sequence[Shown], there: Sequence[Thing], last: float) -> list[tuple[float, str]]:
-    """Return the texts below the side view, each with the z to which it belongs: of the eye, the objects and the image.
-
-    `there` are the images that are shown, and `last` is the greatest z.
+    The images are those of ideal sheets, of which prisms are an approximation. Images that are farther than `most` from
+    the eye's plane or reach farther from the z axis than `high` are left out.
     """
-    names = [(-scene.z2, "eye")]
-    names += [(each.thing.z, "object" if len(shown) == 1 else "objects") for each in shown[-1:]]
-    for each in there[:1]:
-        inside = any(abs(each.z - z) < 1e-6 for z in scene.places)
-        kind = "image in a window" if inside else "real image" if each.z < 0 else "virtual image"
-        names.append((each.z, kind))
-    if len(shown) < len(scene.objects):
-        names.append((last, f"{len(scene.objects) - len(shown)} farther"))
-    found = [each.image.z for each in shown]
-    if found and np.isnan(found).all():
-        names.append((0.0, "no common point of rays"))
-    elif found and not there and not scene.is_empty:
-        names.append((0.0, "image at infinity" if np.isinf(found).all() else "image not in the view"))
-    return names
+    planes, found = [], []
+    for _, mark, *_ in objects:
+        z, points = scene.image_plane(mark[:, 0] + 1j * mark[:, 1], mark[0, 2] - scene.places[-1])
+        inside = any(abs(z - place) < 1e-6 for place in scene.places)
+        name = "image in a window" if inside else "real image" if z < 0 else "virtual image"
+        image = Thing(name, np.stack((points.real, points.imag, np.full(3, z)), -1), IMAGE, is_mark=True)
+        planes.append(z)
+        if abs(z + scene.z2) <= most and abs(image.around[:, :2]).max() <= high:
+            found.append(image)
+    if found or not planes:
+        return found, ""
+    if np.isnan(planes).all():
+        return [], "no common point of rays"
+    return [], "image at infinity" if np.isinf(planes).all() else "image not in the view"
 
 
-def _rays(scene: AxialScene, shown: Shown) -> list[tuple[complex, list[tuple[float, complex]]]]:
-    """Return rays from an object to the eye and to points beside the eye: for each, its end and its corners.
+def _light(scene: Scene, sources: Sequence[Floats]) -> Iterator[tuple[Colour, Floats]]:
+    """Yield light from points to the eye: its colour, and its corners (n, 3), from the eye.
 
-    An end is x + iy. The corners are (z, x + iy), from the end to the object. The rays begin at the upper end of a
-    piece or at a sphere's centre, and in a view from above at a piece's foot. A ray that does not pass all windows is
-    left out.
+    From a single point, light also runs through windows to points beside the eye.
     """
-    z1 = shown.z1
-    tip = shown.thing.place if shown.thing.from_above else shown.thing.tip
-    found = []
-    for way in (0, *ASIDE):
-        step = complex(way) * scene.aperture
-        eye = complex(_moved(scene.E.real, step.real), _moved(scene.E.imag, step.imag))
-        seen = scene.replace(eye=(eye.real, eye.imag), view=scene.view)
-        if not bool(seen.visible(tip, z1)):
-            continue
-        slope = (complex(seen.apparent_position(tip, z1)) - eye) / scene.z2
-        corners = [(-scene.z2, eye)]
-        for z, (before, _, _, _) in zip(scene.places, apparent.follow(slope, eye, seen.elements), strict=True):
-            corners.append((z, complex(before)))
-        found.append((eye, [*corners, (shown.thing.z, tip)]))
-    return found
+    if len(sources) == 1 and scene.openings:
+        eye, right, up = (np.array(part) for part in (scene.camera.eye, scene.camera.right, scene.camera.up))
+        for step in ASIDE * scene.openings[0].outline.width:
+            camera = scene.camera._replace(eye=(*(eye + step.real * right + step.imag * up).tolist(),))
+            (images,) = Paths(camera, scene.named_openings).images(sources)
+            yield from ((BESIDE, image.corners) for image in images if image.windows)
+    yield from ((LIGHT, image.corners) for images in paths(scene).images(sources) for image in images)
 
 
-def _moved(place: float, step: float) -> float:
-    """Return a coordinate of an eye after a step, or after the opposite step if an eye cannot be so far aside."""
-    return place + step if abs(place + step) <= MAX_ASIDE else place - step
+def _object(each: SceneObject) -> Thing:
+    """Return what stands for an object: for a piece an arrow, for a sphere a disc, for any other one its box."""
+    (lower, upper), is_mark = np.array(each.box), isinstance(each, (Piece, Sphere))
+    own = np.array([np.where([n & 1, n & 2, n & 4], upper, lower) for n in BOX])
+    if is_mark:
+        height = 0 if isinstance(each, Sphere) else ARROW if isinstance(each.shape, PieceFile) else upper[1]
+        own = np.array([[0, 0, 0], [0, height, 0], [upper[0], 0, 0]])
+    points = own @ each.pose.axes + each.pose.place
+    if each.point is None:
+        return Thing("", points, OTHER)
+    return Thing(each.name or each.called, points, OBJECT, is_mark, points[1] if is_mark else each.point)
 
 
-def _object(
-    draw: ImageDraw.ImageDraw,
-    place: tuple[float, float],
-    top: float,
-    radius: float | None,
-    colour: tuple[int, int, int],
-    width: int,
-) -> None:
-    """Draw an arrow from a place to the height `top`, or if there is a radius a disc around the place."""
-    x, y = place
-    high = abs(top - y)
-    if radius is None and high > 2 * width:
-        head = np.copysign(min(4 * width, high / 1.6), y - top)
-        draw.line([(x, y), (x, top + head)], fill=colour, width=2 * width)
-        draw.polygon([(x, top), (x - head, top + 1.6 * head), (x + head, top + 1.6 * head)], fill=colour)
-    else:  # a point is larger than to scale, and so is an arrow that is seen from its end
-        half = max(radius or 0, 2 * width)
-        draw.ellipse([x - half, y - half, x + half, y + half], fill=colour)
-
-
-def _labels(
-    draw: ImageDraw.ImageDraw, labels: Sequence[tuple[float, str]], middle: float, size: float, width: int
-) -> None:
-    """Write texts in a row at the height `middle`, each centred on its x. Texts that would overlap are moved apart.
-
-    All stay within the picture, which has this width. If they do not fit, they are smaller. Lengths are in pixels.
-    """
-    labels = sorted(labels, key=lambda each: each[0])  # of two at the same place the first one is on the left
-    relative = [text_width(text) for _, text in labels]
-    size = min(size, width / (sum(relative) + 0.7 * (len(labels) - 1) + 0.61))  # the gaps and margins below
-    widths = [size * wide for wide in relative]
-    starts = [x - wide / 2 for (x, _), wide in zip(labels, widths, strict=True)]
-    gap, margin = 0.7 * size, 0.3 * size
-    for _ in range(100):  # a pair that is too near moves apart by equal steps
-        starts = [min(max(x, margin), width - margin - wide) for x, wide in zip(starts, widths, strict=True)]
-        for n, wide in enumerate(widths[:-1]):
-            short = max(starts[n] + wide + gap - starts[n + 1], 0)
-            starts[n], starts[n + 1] = starts[n] - short / 2, starts[n + 1] + short / 2
-    for start, (_, text) in zip(starts, labels, strict=True):
-        write(draw, start, middle, text, size)
+def _outline(opening: Opening) -> Floats:
+    """Return points of a window's outline, (n, 3), the first of which is the last."""
+    turn = np.linspace(0, 2 * np.pi, 65 if opening.outline.is_round else 5) + np.pi / 4
+    x, y = (part if opening.outline.is_round else np.sign(part) for part in (np.cos(turn), np.sin(turn)))
+    own = np.stack((x * opening.outline.width / 2, y * opening.outline.height / 2, 0 * x), -1)
+    return own @ opening.pose.axes + opening.pose.place

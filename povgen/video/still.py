@@ -34,7 +34,6 @@ from povgen.version import __version__
 if TYPE_CHECKING:  # these, and `encode`, are slow to load, and a picture from the cache does not need them
     from povgen.video.captions import Caption
     from povgen.video.overlay import Colour
-    from povgen.video.plan import Plan
     from povgen.video.side import Extent
 
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
@@ -261,7 +260,7 @@ def picture(
     scene: Scene,
     rendering: Rendering,
     caption: "Caption | None" = None,
-    shows: "Extent | Plan | None" = None,
+    shows: "Extent | None" = None,
     said: "Sequence[tuple[str, Colour]] | None" = None,
 ) -> NDArray[Any]:
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.

@@ -427,7 +427,7 @@ def test_a_movie_too_large_for_its_format_is_refused_before_a_frame_is_rendered(
         said = refused([*wide, "--stereo=pair", *more], tmp_path)
         assert said == f"povgen: {kind}: pictures of 16400x32 pixels; allowed: up to {most}\n"
     high = [*wide, "--size=32x12000", "--side-view", "--dry-run"]
-    assert f"pictures of 32x16560 pixels; allowed: up to {most}" in refused(high, tmp_path)
+    assert f"pictures of 32x18000 pixels; allowed: up to {most}" in refused(high, tmp_path)
     assert povgen([*wide, "--dry-run"], tmp_path)[0] == 0 == povgen([*wide[:-1], "a.gif", "--dry-run"], tmp_path)[0]
 
 

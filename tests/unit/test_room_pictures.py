@@ -1,4 +1,4 @@
-"""What is written and drawn on pictures of rooms: captions, marks of predicted places, plans."""
+"""What is written and drawn on pictures of rooms: captions, marks of predicted places."""
 
 import numpy as np
 import pytest
@@ -12,9 +12,9 @@ from povgen.objects.sphere import Sphere
 from povgen.objects.text import Text
 from povgen.objects.window import Window
 from povgen.scene.room import Eye, Room
-from povgen.scene.scene import object_images, paths
+from povgen.scene.scene import object_images
 from povgen.settings import Rendering
-from povgen.video import overlay, plan, side
+from povgen.video import overlay
 from povgen.video.captions import captions
 
 SIZE = 640, 480
@@ -96,66 +96,3 @@ def test_it_is_said_what_has_no_image():
     many = Room([Sphere(name=f"ball{n}", z=-20 - n, radius=0.3) for n in range(9)])
     names = [f"middle of ball{n}" for n in range(3)]
     assert said(many, overlay=True) == [[f"not seen: {', '.join(names)}, 6 others"]]
-
-
-@pytest.mark.parametrize(
-    ("things", "from_above"),
-    [
-        ([LEFT, RIGHT], True),
-        ([Window(y=2, pitch=20), Window(y=-2)], False),
-        ([Window(pitch=30)], False),
-        ([Window(yaw=-30)], True),
-        ([Window(roll=30), Box(x=3, z=3), Box(x=-3, z=3)], True),  # the boxes decide
-        ([Window(), Piece(y=-2, z=3)], False),
-        ([], False),
-    ],
-)
-def test_a_plan_is_from_where_the_windows_show_more(things, from_above):
-    assert side.extent([Room(things)]).from_above is from_above
-
-
-def middles(strip, colour):
-    """Return row and column of the pixels of a colour: the middle, and half the extent."""
-    where = np.argwhere((strip == colour).all(-1))
-    return (where.min(0) + where.max(0)) / 2, np.ptp(where, axis=0) / 2
-
-
-def test_a_plan_is_to_scale_and_a_movie_keeps_its_scale():
-    movie = [Room([Window(yaw=yaw, frame=False), Box(x=3, z=z)], eye=Eye(z=-6)) for yaw, z in ((0, 2), (30, 4))]
-    shows = side.extent(movie)
-    assert shows.from_above and shows[:2] == (-6, 4.5)
-    strips = [side.side_view(room, *SIZE, shows) for room in movie]
-    assert strips[0].shape == strips[1].shape and len(strips[0]) % 2 == 0
-    (before, _), (after, _) = (middles(strip, plan.OBJECT) for strip in strips)
-    scale = (after - before)[1] / 2
-    for (way, extent), yaw in zip((middles(strip, plan.SHEET) for strip in strips), np.radians((0, 30)), strict=True):
-        assert (before - way) / scale == pytest.approx([3, 2], abs=0.06)  # to the right is downwards
-        assert extent / scale == pytest.approx(1.5 * np.array([np.cos(yaw), np.sin(yaw)]), abs=0.08)
-
-
-def test_light_in_a_plan_takes_the_traced_paths():
-    (image,) = ROOM.images(KNIGHT.pose.place)
-    (ray,) = plan._followed(paths(ROOM).walk(ROOM.camera.through(np.array([image.position]))), 4)
-    np.testing.assert_allclose(ray[:2], image.corners[:2], atol=1e-12)
-    way = ray[2] - ray[1]
-    assert np.linalg.norm(way) == pytest.approx(4)
-    assert np.linalg.norm(np.cross(way, image.corners[2] - ray[1])) < 1e-8
-
-
-def test_scenes_of_several_kinds_have_plans_and_others_side_views():
-    shows = side.extent([Chess(), ROOM])
-    assert isinstance(shows, plan.Plan) and not isinstance(side.extent([Chess()]), plan.Plan)
-    strips = [side.side_view(scene, *SIZE, shows) for scene in (Chess(), ROOM)]
-    assert strips[0].shape == strips[1].shape
-    assert (strips[1] == plan.SHEET).all(-1).any() and (strips[0] == plan.SHEET).all(-1).any()
-    far = Room([LEFT, Sphere(z=1000)])
-    assert side.extent([far]).last < 3 and side.side_view(far, *SIZE).shape[1] == SIZE[0]
-
-
-def test_the_eyes_of_a_pair_have_their_own_marks_and_plans():
-    shows, strips = side.extent([ROOM], 0.5), []
-    for eye in (ROOM.seen_aside(-0.5), ROOM.seen_aside(0.5)):
-        strips.append(side.side_view(eye, *SIZE, shows))
-        assert [len(images) for _, images in object_images(eye)] == [1, 1, 1]
-    assert strips[0].shape == strips[1].shape and (strips[0] != strips[1]).any()
-    assert ROOM.replace() == ROOM  # with all that is kept for them

@@ -1,180 +1,198 @@
-"""The side view: everything is where the scene has it, to one scale."""
+"""The view from the side or from above: everything is where the scene has it, to one scale, with legible names."""
+
+from itertools import combinations
 
 import numpy as np
 import pytest
 from conftest import refused
 
 from povgen import Chess, Spheres
+from povgen.objects.box import Box
+from povgen.objects.piece import Piece
+from povgen.objects.sphere import Sphere
+from povgen.objects.window import Window
+from povgen.scene.room import Eye, Room
 from povgen.settings import Rendering
 from povgen.video import side, still
 
 SIZE = 640, 480
-BETWEEN = slice(44, 138)  # rows without text
-TWO = {"alpha": 120, "window": "alpha=120,z=2", "z2": 8, "z1": 2}
+TWO = {"sheet": "ideal", "alpha": 120, "window": "alpha=120,z=2", "z2": 8, "z1": 2}
+LEFT, RIGHT, KNIGHT = Window(name="left", alpha=90, x=-1.75), Window(alpha=40, x=1.75), Piece(x=-1.6, y=-0.85, z=2.5)
+ROOM = Room([LEFT, RIGHT, KNIGHT, Sphere(x=3.9, radius=0.3)], eye=Eye(y=0.5, z=-9, view=7))
+
+
+def shown(scene, colour):
+    return [thing for thing in side._shown(scene)[0] if thing.colour == colour]
+
+
+def light(scene):
+    """Return the corners of light to the eye and to points beside it."""
+    return [corners for _, corners in side._light(scene, [each.source for each in shown(scene, side.OBJECT)])]
 
 
 def middles(strip, colour):
-    """Return the x of each group of columns with this colour, pixels."""
-    columns = np.flatnonzero((strip == colour).all(-1).any(0))
-    return [group.mean() for group in np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1) if len(group)]
-
-
-def rays(scene, from_above=False):
-    return side._rays(scene, side._shown(scene, from_above)[0][0])
-
-
-def images(scene):
-    return [each.image.z for each in side._shown(scene)[0]]
-
-
-def test_images_are_where_the_light_comes_together():
-    assert images(Chess(alpha=180, z1=2)) == pytest.approx([-2])  # a real image, as far before the window
-    assert images(Chess(alpha=0, z1=2)) == pytest.approx([2])
-    assert images(Chess(**TWO)) == pytest.approx([-2])
-    assert np.isnan(images(Chess(alpha=66))).all()  # light never comes together
-    assert np.isnan(images(Chess(sheet="refraction", ratio=0.7))).all()
-    assert images(Chess(sheet="view-rotator", alpha=20, view_distance=2)) == pytest.approx([2])  # of this plane
-    assert images(Chess(sheet="lenslets", alpha=180, ratio=0.8)) == pytest.approx([-2.5])
-    assert images(Chess(sheet="lens", focal_length=1.5)) == pytest.approx([-6])  # 1/2 + 1/6 = 1/1.5
-    lens = {"sheet": "lens", "focal_length": 1}
-    assert images(Chess(**lens, window={**lens, "z": 4}, z1=2)) == pytest.approx([-2])  # a relay
+    """Return column and row of the pixels of a colour: the middle of each group of columns, and of its rows."""
+    found = (strip == colour).all(-1)
+    columns = np.flatnonzero(found.any(0))
+    groups = [group for group in np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1) if len(group)]
+    rows = [np.flatnonzero(found[:, group].any(1)) for group in groups]
+    return np.array([(group.mean(), (y[0] + y[-1]) / 2) for group, y in zip(groups, rows, strict=True)])
 
 
 @pytest.mark.parametrize(
-    ("scene", "size"),
+    ("values", "z", "size"),
     [
-        (Chess(sheet="lens", focal_length=1), -1),
-        (Chess(sheet="glens"), 1.5),
-        (Chess(sheet="lens", focal_length=2, z1=3, window="sheet=lens,focal_length=3,z=1"), -2 / 3),
+        ({"alpha": 180}, -2, 1),  # a real image, as far before the window
+        ({"alpha": 0}, 2, 1),
+        (TWO, -2, 1),
+        ({"sheet": "view-rotator", "alpha": 20, "view_distance": 2}, 2, None),  # of this plane
+        ({"sheet": "lenslets", "alpha": 180, "ratio": 0.8}, -2.5, None),
+        ({"sheet": "lens", "focal_length": 1}, -2, -1),
+        ({"sheet": "lens", "focal_length": 1.5}, -6, None),  # 1/2 + 1/6 = 1/1.5
+        ({"sheet": "glens"}, 2, 1.5),
+        ({"sheet": "lens", "focal_length": 2, "z1": 3, "window": "sheet=lens,focal_length=3,z=1"}, -2, -2 / 3),
+        ({"sheet": "lens", "focal_length": 1, "window": "sheet=lens,focal_length=1,z=4"}, -2, None),  # a relay
     ],
 )
-def test_an_image_has_its_own_size(scene, size):
-    """Its tip is where rays from the object's tip meet."""
-    (each,), _ = side._shown(scene)
-    thing, image = each.thing, each.image
-    assert image.tip - image.place == pytest.approx(size * (thing.tip - thing.place))
-    for _, ((z0, y0), (z1, y1), *_) in rays(scene):
-        assert y0 + (y1 - y0) * (image.z - z0) / (z1 - z0) == pytest.approx(image.tip)
-    wide = (side.side_view(scene, *SIZE) == side.IMAGE).all(-1).sum(1)
-    assert wide[np.flatnonzero(wide)[-1 if size < 0 else 0]] < wide.max() / 2  # the arrow ends in a point there
-    sphere = Spheres(
-        **scene.model_dump(include={"sheet", "focal_length", "window", "object_focal_length"}), z1=[scene.z1]
-    )
-    (each,), _ = side._shown(sphere)
-    assert abs(each.image.rim - each.image.place) == pytest.approx(abs(size) * sphere.radii[0])
+def test_light_comes_together_in_the_image(values, z, size):
+    scene = Chess(**{"sheet": "ideal", **values})
+    found, points = scene.image_plane([scene.L, scene.L + 1], scene.z1)
+    assert found == pytest.approx(z)
+    if size is None:
+        return
+    assert points[1] - points[0] == pytest.approx(size)
+    ((image,), (thing,)) = shown(scene, side.IMAGE), shown(scene, side.OBJECT)
+    place, tip, _ = image.points
+    assert tip - place == pytest.approx(size * (thing.points[1] - thing.points[0]) * [1, 1, 0])
+    for eye, bend, *_ in (rays := light(scene)):
+        part = (tip[2] - eye[2]) / (bend[2] - eye[2])
+        assert eye + part * (bend - eye) == pytest.approx(tip, abs=1e-6)
+    assert len(rays) >= 2
 
 
-@pytest.mark.parametrize("scene", [Chess(alpha=180), Chess(**TWO), Chess(alpha=180, z1=3, eye=(0, 0.7), z2=9)])
+def test_light_that_does_not_come_together_has_no_image():
+    for values in ({"alpha": 66}, {"sheet": "refraction", "ratio": 0.7}):
+        assert np.isnan(Chess(**values).image_plane([0.3j], 2)[0])
+
+
+@pytest.mark.parametrize(
+    "scene", [Chess(alpha=180), Chess(**TWO), Chess(alpha=180, z1=3, eye=(0, 0.7), z2=9), Spheres(alpha=180, z1=[3])]
+)
 def test_distances_have_one_scale(scene):
     strip = side.side_view(scene, *SIZE)
-    assert strip.shape[1:] == (640, 3) and len(strip) % 2 == 0
-    windows, (thing,), (image,) = (middles(strip, colour) for colour in (side.SHEET, side.OBJECT, side.IMAGE))
-    (eye, *_) = middles(strip[BETWEEN], (255, 255, 255))
-    places = np.array([-scene.z2, *scene.places, scene.places[-1] + scene.z1, *images(scene)])
-    pixels = np.array([eye, *windows, thing, image])
-    scale = (thing - eye) / (places[-2] - places[0])
-    assert abs(pixels - eye - scale * (places - places[0])).max() < 1.5
-    column = (strip == side.SHEET).all(-1).any(1)
-    assert abs(column.sum() - scale * scene.aperture) < 3  # along y too
-    foot = np.flatnonzero((strip == side.OBJECT).all(-1).any(1))[-1]
-    middle = np.flatnonzero(column).mean()
-    assert abs(foot - middle + scale * scene.L.imag) < 2
-
-
-@pytest.mark.parametrize("scene", [Chess(sheet="ideal", alpha=180, eye=(0, 0.4)), Chess(sheet="ideal", **TWO)])
-def test_rays_from_the_objects_tip_meet_at_the_images(scene):
-    (image,) = images(scene)
-    heights = []
-    for eye, ((z0, y0), (z1, y1), *_, (last, tip)) in rays(scene):
-        heights.append(y0 + (y1 - y0) * (image - z0) / (z1 - z0))
-        assert (last, tip) == (scene.places[-1] + scene.z1, scene.L + 1j * side.ARROW) and y0 == eye
-    assert heights == pytest.approx([tip] * 3)  # the image is upright, and as large as the object
+    assert strip.shape[1:] == (640, 3) and len(strip) % 2 == 0 and len(strip) <= side.MOST * SIZE[1]
+    shows = side.extent([scene])
+    pupil, sheets, (thing,), (image,) = (
+        middles(strip, colour) for colour in (side.EYE[2][2], side.SHEET, side.OBJECT, side.IMAGE)
+    )
+    found = np.array([*sheets, thing, image])
+    drawn = [shown(scene, colour) for colour in (side.SHEET, side.OBJECT, side.IMAGE)]
+    places = [shows.at((each.around.min(0) + each.around.max(0)) / 2) for several in drawn for each in several]
+    scale = (thing - image)[0] / (places[-2] - places[-1])[0]
+    assert sheets[0, 0] - pupil[0, 0] == pytest.approx(scale * scene.z2, abs=6)  # light ends on the cornea
+    assert np.ptp(found - scale * np.array(places) * (1, -1), axis=0).max() < 3
+    assert abs((strip == side.SHEET).all(-1).any(1).sum() - scale * scene.aperture) < 3 + 0.03 * scale
 
 
 @pytest.mark.parametrize("z", [0.5, 1.5, 2.5, 5])
 def test_rays_without_a_common_point_have_none_in_any_view(z):
-    found = rays(Chess(sheet="ideal", **{**TWO, "window": f"alpha=120,z={z}"}))
-    places = np.array([[y0, y1] for _, ((_, y0), (_, y1), *_) in found])
-    part = np.linspace(0, 1, 400)[:, None]
-    between = places[:, 0] * (1 - part) + places[:, 1] * part  # from the eye's plane to the first window
-    for view in (between.imag, between.real):
-        assert len(found) == 3 and np.ptp(view, axis=1).min() > 0.04
+    eyes, bends = np.array(
+        [corners[:2] for corners in light(Chess(**{**TWO, "window": f"alpha=120,z={z}"}, piece="pawn"))]
+    ).swapaxes(0, 1)
+    between = eyes + np.linspace(0, 1, 400)[:, None, None] * (bends - eyes)  # from the eye's plane to the first window
+    assert len(eyes) == 3 and np.ptp(between[..., :2], axis=1).min() > 0.04
 
 
-def test_a_movie_keeps_its_scale():
-    scenes = [Chess(**{**TWO, "window": f"alpha=120,z={z}"}) for z in (0.5, 2, 5)]
-    strips = [side.side_view(scene, *SIZE, side.extent(scenes)) for scene in scenes]
-    marks = np.array([middles(strip[BETWEEN], (255, 255, 255))[:1] for strip in strips])
-    eyes, firsts = marks[:, 0], np.array([middles(strip, side.SHEET)[0] for strip in strips])
-    assert np.ptp(eyes) == 0 == np.ptp(firsts)
-    seconds = np.array([middles(strip, side.SHEET)[1] for strip in strips])
-    assert np.allclose((seconds - firsts) / (firsts - eyes), np.array([0.5, 2, 5]) / 8, atol=0.01)
+@pytest.mark.parametrize(
+    ("things", "from_above"),
+    [
+        ([LEFT, RIGHT], True),
+        ([Window(y=2, pitch=20), Window(y=-2)], False),
+        ([Window(pitch=30)], False),
+        ([Window(yaw=-30)], True),
+        ([Window(roll=30), Box(x=3, z=3), Box(x=-3, z=3)], True),  # the boxes decide
+        ([Window(), Piece(y=-2, z=3)], False),
+        ([], False),
+    ],
+)
+def test_it_is_from_where_the_windows_show_more(things, from_above):
+    assert side.extent([Room(things)]).from_above is from_above
 
 
 def test_an_eye_that_moves_sideways_is_seen_from_above():
-    scenes = [Chess(sheet="ideal", **TWO, eye=(x, 0)) for x in (-0.8, 0, 0.8)]
+    scenes = [Chess(**TWO, eye=(x, 0)) for x in (-0.8, 0, 0.8)]
     shows = side.extent(scenes)
-    assert shows.from_above and not side.extent([*scenes, Chess(**TWO, eye=(0, 1))]).from_above
+    assert shows.from_above and not side.extent([*scenes, Chess(**TWO, eye=(0, 2))]).from_above
     strips = [side.side_view(scene, *SIZE, shows) for scene in scenes]
-    assert not any((strip[BETWEEN.stop + 4 :] == side.OTHER_RAYS).all(-1).any() for strip in strips)  # no rays in texts
-    left = [strip[BETWEEN, :120] for strip in strips]
-    eyes = [np.flatnonzero((part == 255).all(-1).any(1)).mean() for part in left]
-    scale = np.diff(middles(strips[0], side.SHEET))[0] / 2
-    assert np.diff(eyes) == pytest.approx([0.8 * scale] * 2, abs=1.5)  # to the right is downwards
+    eyes, sheets = (
+        np.array([middles(strip, colour)[0] for strip in strips]) for colour in (side.EYE[2][2], side.SHEET)
+    )
+    assert np.ptp(sheets, axis=0).max() == 0  # a movie keeps its scale
+    scale = (sheets - eyes)[1, 0] / 8
+    assert np.diff(eyes[:, 1]) == pytest.approx([0.8 * scale] * 2, abs=2)  # to the right is downwards
 
 
-def test_of_several_objects_those_that_are_shown_count():
-    """What is too far to be shown may come first."""
-    one, other = (side.side_view(Spheres(alpha=66, z1=z1), *SIZE) for z1 in ((100, 2), (2, 100)))
-    assert (one == other).all()
-    far, near = (Chess(alpha=180, z1=z1, x=x) for z1, x in (((27, 2), (0.5, 0)), ((2, 27), (0, 0.5))))
-    assert rays(far) == rays(near) and rays(far)[0][1][-1][0] == 2
+def test_a_turned_window_is_to_scale_and_a_movie_keeps_its_scale():
+    movie = [Room([Window(yaw=yaw, frame=False), Box(x=3, z=z)], eye=Eye(z=-6)) for yaw, z in ((0, 2), (30, 4))]
+    shows = side.extent(movie)
+    assert shows.from_above and shows[:2] == (-6, 4.5)
+    strips = [side.side_view(room, *SIZE, shows) for room in movie]
+    assert strips[0].shape == strips[1].shape
+    boxes = [np.argwhere((strip == side.OBJECT).all(-1)) for strip in strips]
+    scale = np.diff([(box.min(0) + box.max(0))[1] / 2 for box in boxes])[0] / 2
+    for strip, yaw in zip(strips, np.radians((0, 30)), strict=True):
+        extent = np.ptp(np.argwhere((strip == side.SHEET).all(-1)), axis=0)
+        assert extent / scale == pytest.approx(3 * np.array([np.cos(yaw), np.sin(yaw)]), abs=0.1)
 
 
-def test_without_an_image_it_says_so_and_what_is_far_is_counted(monkeypatch):
-    texts = []
-    monkeypatch.setattr(side, "write", lambda draw, x, middle, text, size: texts.append((x, text, size, middle)))
-    for scene, expected in (
-        (Chess(alpha=66), {"eye", "sheets", "object", "no common point of rays", "from the side"}),
-        (Chess(alpha=180), {"eye", "sheets", "object", "real image", "from the side"}),
-        (Chess(sheet="none"), {"eye", "window", "object", "from the side"}),
-        (Chess(sheet="lens", focal_length=2), {"eye", "sheet", "object", "image at infinity", "from the side"}),
-        (Chess(sheet="lens", focal_length=2.1), {"eye", "sheet", "object", "image not in the view", "from the side"}),
-        (
-            Chess(alpha=0, window="alpha=0,z=2", z2=1, z1=3.9),
-            {"eye", "window 1", "2", "object", "virtual image", "from the side"},
-        ),
-        (Spheres(alpha=66), {"eye", "sheets", "objects", "3 farther", "no common point of rays", "from the side"}),
-    ):
-        for width in (SIZE[0], 96):
-            texts.clear()
-            side.side_view(scene, width, SIZE[1])
-            assert {text for _, text, *_ in texts} == expected
-            assert max((y, -x, text) for x, text, _, y in texts)[2] == "eye"  # below, on the left
-            for line in {y for *_, y in texts}:
-                ends = sorted((x, x + size * side.text_width(text)) for x, text, size, y in texts if y == line)
-                assert ends[0][0] >= 0 and ends[-1][1] <= width
-                assert all(end < start for (_, end), (start, _) in zip(ends, ends[1:], strict=False))
-
-
-def test_an_image_does_not_make_the_rest_small_and_covers_no_text():
-    movie = [Chess(sheet="lens", focal_length=2, z1=z) for z in np.linspace(1, 4, 31)]
-    assert side.extent(movie).reach <= 2 * 1.5 + 1e-9
-    huge = Chess(sheet="lens", focal_length=0.725, z1=0.7)
-    assert side.extent([huge]).reach == 1.5 and side._shown(huge)[1] == []
-    sphere = Spheres(sheet="lens", focal_length=1.2, z1=[1.0])
-    shows, (_, (image,)) = side.extent([sphere]), side._shown(sphere)
-    strip = side.side_view(sphere, *SIZE, shows)
-    rows, columns = np.nonzero((strip == side.IMAGE).all(-1))
-    assert image.radius > 0.45 and 20 < rows.min() and rows.max() < len(strip) - 20
-    assert 0 < columns.min() and columns.max() < SIZE[0] - 1
+def test_scenes_of_several_kinds_have_one_scale_and_what_is_far_is_left_out():
+    movie = [Chess(alpha=180), ROOM, ROOM.seen_aside(0.5)]
+    strips = [side.side_view(scene, *SIZE, side.extent(movie, 0.5)) for scene in movie]
+    assert strips[0].shape == strips[1].shape and (strips[1] != strips[2]).any()
+    has = [[(strip == colour).all(-1).any() for colour in (side.SHEET, side.IMAGE, side.RAY)] for strip in strips]
+    assert has == [[True, True, False], [True, False, True], [True, False, True]]
+    assert side.extent([Room([LEFT, Sphere(z=1000)])]).last < 3
+    high, far = Chess(sheet="lens", focal_length=2, z1=1.7), Chess(sheet="lenslets", alpha=180, ratio=0.1, z1=4)
+    for scene in (high, far):  # their images
+        assert side.extent([scene])[:4] == side.extent([scene.replace(sheet="none")])[:4]
 
 
 @pytest.mark.parametrize("scene", [Chess(alpha=0), Spheres(alpha=0, z1=[3])])
 def test_an_object_and_an_image_at_the_same_place_are_both_seen(scene):
     strip = side.side_view(scene, *SIZE)
-    for colour in (side.OBJECT, side.IMAGE):
-        assert (strip == colour).all(-1).sum() > 10
+    assert all((strip == colour).all(-1).sum() > 10 for colour in (side.OBJECT, side.IMAGE))
+
+
+@pytest.mark.parametrize(
+    ("scene", "said"),
+    [
+        (Chess(alpha=66), {"sheets", "knight", "no common point of rays", "from the side"}),
+        (Chess(alpha=180), {"sheets", "knight", "real image", "from the side"}),
+        (Chess(sheet="none"), {"window", "knight", "from the side"}),
+        (Chess(sheet="lens", focal_length=2), {"sheet", "knight", "image at infinity", "from the side"}),
+        (Chess(sheet="lens", focal_length=2.1), {"sheet", "knight", "image not in the view", "from the side"}),
+        (Chess(alpha=0, window="alpha=0,z=2", z1=4), {"window1", "2", "knight", "virtual image", "from the side"}),
+        (Spheres(alpha=66), {"sheets", "sphere", "no common point of rays", "from the side, 4 farther"}),
+        (Room([LEFT, RIGHT, KNIGHT, Box(name="b", z=3)]), {"left", "2", "knight", "b", "from above"}),
+    ],
+)
+def test_names_are_legible_and_hide_no_other(scene, said, monkeypatch):
+    texts = []
+    monkeypatch.setattr(side, "write", lambda draw, x, y, text, size, *_, **__: texts.append((text, x, y, size, draw)))
+    for size in (SIZE, (320, 240), (1280, 720), (240, 426), (96, 480)):
+        texts.clear()
+        side.side_view(scene, *size)
+        names = {text for text, *_ in texts}
+        assert names == said | {"eye"} if size[0] > 300 else names <= said | {"eye"}
+        assert any("image" in name or "rays" in name for name in names) is any(
+            "image" in s or "rays" in s for s in said
+        )
+        boxes = [(x, y - size / 2, x + size * side.text_width(text), y + size / 2) for text, x, y, size, _ in texts]
+        width, height = texts[0][-1].im.size
+        assert all(a >= 0 and b >= 0 and c <= width and d <= height for a, b, c, d in boxes)
+        for (a, b, c, d), (e, f, g, h) in combinations(boxes, 2):
+            assert c <= e or g <= a or d <= f or h <= b
+        assert min(each[3] for each in texts) >= size[1] / 40 or size[0] < size[1] / 2
 
 
 def test_it_is_added_below_the_picture(tmp_path):
