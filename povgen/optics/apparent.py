@@ -43,8 +43,9 @@ class Element(Protocol):
     def transfer(self) -> Matrix | None:
         """The ray-transfer matrix (..., 5, 5), or None if there is none."""
 
-    def layers_at(self, z: float, window: int) -> tuple[GlassSheet, ...]:
-        """Return a window's sheets of prisms or lenses, the nearest to the eye first: `sheets.Sheet.layers_at`."""
+    @property
+    def glass(self) -> tuple[GlassSheet, ...]:
+        """A window's sheets of prisms or lenses, the nearest to the eye first: `sheets.Sheet.glass`."""
 
     def slope(self, slope: ArrayLike, place: ArrayLike) -> Complexes:
         """Return the slope behind a window without thickness, NaN if no light passes.
@@ -126,7 +127,7 @@ def passes(slope: ArrayLike, E: ArrayLike, windows: Windows, depth: float) -> Bo
     crossed: list[Complexes] = []
     with np.errstate(invalid="ignore"):
         for (before, s, behind, after), (_, window) in zip(follow(slope, E, windows), windows, strict=True):
-            layers = window.layers_at(0.0, 0)
+            layers = window.glass
             for z in (depth / 2, layers[-1].centre if layers else 0.0):
                 crossed += before - z * s, behind + z * after
         return np.asarray(np.all([_far(point) < windows[0][1].aperture / 2 for point in crossed], axis=0))

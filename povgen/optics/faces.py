@@ -51,7 +51,6 @@ class GlassSheet:
     angle: float
     centre: float
     shape: Prism | Profile
-    window: int = 0  # the window that the sheet is in; a window's sheets follow one another
     tilt: tuple[float, float] = (0.0, 0.0)
     # standard deviations, and the seed of the random numbers: `single_prisms`
     facets: float = 0.0  # of the angle between base and each single facet, radians

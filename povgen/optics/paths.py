@@ -5,7 +5,7 @@ predicts: its ray-transfer matrix says place and slope behind it, or its law the
 their designed light, for rays at small angles to the normal.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -62,28 +62,13 @@ class Leg(NamedTuple):
     window: Indices  # the next one's number, or -1
 
 
-class Paths:
-    """The paths of light through windows, by their names, to an eye."""
+class DesignedLight:
+    """Light on the path for which windows are designed, as it passes them one after another."""
 
-    def __init__(self, view: View, windows: Mapping[str, Opening]) -> None:
-        self.view, self.names, self.windows = view, [*windows], [window.deep for window in windows.values()]
+    def __init__(self, windows: Iterable[Opening]) -> None:
+        self.windows = [window.deep for window in windows]
         self.matrices = [_both_ways(window.sheet.transfer) for window in self.windows]
-        self.centres = [layers[-1].centre if (layers := each.sheet.layers_at(0.0, 0)) else 0.0 for each in self.windows]
-        self.net = self._net()
-        self.legs = self.walk(view.through(self.net))
-
-    def _net(self) -> Complexes:
-        """Return positions in the picture's plane: rays to all windows, and to all sides."""
-        right, up = np.array(self.view.right), np.array(self.view.up)
-        x, y = (_ANGLES[axis].reshape(-1, 1) for axis in np.indices((len(_ANGLES),) * 2))
-        found = [self.view.position(self.view.eye + x * right + y * up + np.cross(right, up))]
-        side = (np.arange(_ROW) + 0.5) / _ROW - 0.5
-        across, along = map(np.ravel, np.meshgrid(side, side))
-        for window in self.windows:
-            points = np.stack((across * window.outline.width, along * window.outline.height, 0 * across), -1)
-            found.append(self.view.position(window.pose.scene(points, points)[0]))
-        every = np.concatenate(found)
-        return every[np.isfinite(every)]
+        self.centres = [layers[-1].centre if (layers := each.sheet.glass) else 0.0 for each in self.windows]
 
     @np.errstate(all="ignore")  # rays that have ended are NaN
     def walk(self, rays: Bundle, most: int = MOST) -> list[Leg]:
@@ -133,6 +118,29 @@ class Paths:
         slope[forward] = sheet.slope(s[forward], P[forward])
         slope[~forward] = slope_of_light(sheet, s[~forward], P[~forward])
         return P, slope
+
+
+class Paths(DesignedLight):
+    """The paths of light through windows, by their names, to an eye."""
+
+    def __init__(self, view: View, windows: Mapping[str, Opening]) -> None:
+        super().__init__(windows.values())
+        self.view, self.names = view, [*windows]
+        self.net = self._net()
+        self.legs = self.walk(view.through(self.net))
+
+    def _net(self) -> Complexes:
+        """Return positions in the picture's plane: rays to all windows, and to all sides."""
+        right, up = np.array(self.view.right), np.array(self.view.up)
+        x, y = (_ANGLES[axis].reshape(-1, 1) for axis in np.indices((len(_ANGLES),) * 2))
+        found = [self.view.position(self.view.eye + x * right + y * up + np.cross(right, up))]
+        side = (np.arange(_ROW) + 0.5) / _ROW - 0.5
+        across, along = map(np.ravel, np.meshgrid(side, side))
+        for window in self.windows:
+            points = np.stack((across * window.outline.width, along * window.outline.height, 0 * across), -1)
+            found.append(self.view.position(window.pose.scene(points, points)[0]))
+        every = np.concatenate(found)
+        return every[np.isfinite(every)]
 
     @np.errstate(all="ignore")  # rays that end are NaN
     def images(self, points: ArrayLike) -> list[list[Image]]:

@@ -52,7 +52,7 @@ class Opening(NamedTuple):
     @property
     def deep(self) -> "Opening":
         """The window with a frame that is at least as deep as its prisms or lenses."""
-        sheets = self.sheet.layers_at(0.0, 0)
+        sheets = self.sheet.glass
         depth = sheets[-1].centre - sheets[0].centre + sheets[0].shape.length if sheets else 0.0
         return self._replace(frame=max(self.frame, depth))
 
@@ -171,6 +171,14 @@ class Traced(_Lines, Rays):
 
     windows: NDArray[np.int32]
 
+    @property
+    def last(self) -> Indices:
+        """The number of the last window that each ray has met (...), or -1."""
+        crossings = self.windows.shape[-1]
+        counted = np.where(self.windows >= 0, np.arange(1, crossings + 1), 0).max(-1, keepdims=True, initial=0)
+        before = np.concatenate((np.full((*self.shape, 1), -1), self.windows), -1)
+        return np.take_along_axis(before, counted, -1)[..., 0]
+
     def met_each_in_turn(self, forward: Booleans, count: int) -> Booleans:
         """Return which rays have met every window on their way, if `count` windows stand one behind the other.
 
@@ -178,11 +186,9 @@ class Traced(_Lines, Rays):
         """
         if not self.windows.shape[-1]:
             return np.zeros(self.shape, bool)
-        met = self.windows >= 0
-        last = np.take_along_axis(self.windows, np.maximum(met.sum(-1, keepdims=True) - 1, 0), -1)[..., 0]
         near, far = np.where(forward, 0, count - 1), np.where(forward, count - 1, 0)
-        misses = (abs(np.diff(self.windows)) != 1) & met[..., 1:]
-        ends = (self.windows[..., 0] == near) & (last == np.where(self.end == End.BACK, near, far))
+        misses = (abs(np.diff(self.windows)) != 1) & (self.windows >= 0)[..., 1:]
+        ends = (self.windows[..., 0] == near) & (self.last == np.where(self.end == End.BACK, near, far))
         return np.asarray(ends & ~misses.any(-1))
 
     _precision = _PRECISION
@@ -289,8 +295,7 @@ def trace_windows(
     if not isinstance(partial, (np.random.Generator, type(None))):
         raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
-    sheets = [window.sheet.layers_at(0.0, 0) for window in windows]
-    way = _way(rays, windows, sheets, most, partial)
+    way = _way(rays, windows, most, partial)
     every = (*vars(way.rays).values(), np.stack(way.met, 1) if way.met else np.empty((len(way.rays.end), 0), np.int32))
     return Traced(*(values.reshape((*rays.shape, *values.shape[1:])) for values in every))
 
@@ -302,7 +307,7 @@ def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Ind
     order, and their positions and directions (n, 3). A position is AWAY behind the sheet.
     """
     windows = list(windows)
-    way = _way(rays, windows, [window.sheet.layers_at(0.0, 0) for window in windows], most, None)
+    way = _way(rays, windows, most, None)
     count = np.zeros(len(way.rays.end), int)
     legs: list[list[tuple[Indices, Floats, Floats]]] = []
     for i, position, direction, w in way.bent:
@@ -321,14 +326,9 @@ def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Ind
     return found
 
 
-def _way(
-    rays: Bundle,
-    windows: Sequence[Opening],
-    sheets: Sequence[Sequence[GlassSheet]],
-    most: int,
-    partial: "np.random.Generator | None",
-) -> "_Way":
+def _way(rays: Bundle, windows: Sequence[Opening], most: int, partial: "np.random.Generator | None") -> "_Way":
     """Return rays that have been followed to their ends."""
+    sheets = [window.sheet.glass for window in windows]
     n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
     found = Rays.starting(position, direction.copy(), most if layers else 0, layers)

@@ -2,11 +2,10 @@
 
 Each ray is followed until it leaves the sheets.
 
-The coordinates are the scenes': x right, y up, z away from the eye. The first window is centred on z = 0. All lengths,
-also the window's side, are in one unit, such as tiles. Rays may run either way. Glass absorbs no light. Its faces
-refract all light or reflect all light, unless `trace` has the argument `partial`. A ray that meets the frame of a
-window from inside ends there. So does a ray that misses the first window on its way (`End.FRAME`), or a later one
-(`End.BESIDE`).
+The coordinates are those of a window: x right, y up, z away from the eye. All lengths, also the window's side, are in
+one unit, such as tiles. Rays may run either way. Glass absorbs no light. Its faces refract all light or reflect all
+light, unless `trace` has the argument `partial`. A ray that meets the window's frame from inside ends there. So does a
+ray that misses the window (`End.FRAME`).
 
 Each sheet has its own coordinate system, in which its ridges lie along x. It is divided into cells, one pitch high, and
 u is the height in a cell. A cell of prisms begins at a prism's base: it is the prism and the air above it. The cells of
@@ -93,13 +92,10 @@ class Rays:
         return Rays(*(getattr(self, field.name)[some] for field in fields(self)))
 
 
-def pair(alpha: float, shape: Prism | Profile, z: float = 0.0, window: int = 0) -> tuple[GlassSheet, ...]:
-    """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2.
-
-    z is midway between them, and `window` is the number of their window.
-    """
+def pair(alpha: float, shape: Prism | Profile) -> tuple[GlassSheet, ...]:
+    """Return the two sheets that rotate light by alpha (radians). The near one comes first; it is turned by alpha/2."""
     aside = shape.separation / 2
-    return GlassSheet(alpha / 2, z - aside, shape, window), GlassSheet(0.0, z + aside, shape, window)
+    return GlassSheet(alpha / 2, -aside, shape), GlassSheet(0.0, aside, shape)
 
 
 def trace(
@@ -114,8 +110,8 @@ def trace(
     """Follow rays through the sheets.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
-    eye's side first, and fill windows with this outline, or square windows with this side. `frame` is the extent of
-    each window's frame along z. It matters only if it is greater than that of the sheets: then light from the sheets
+    eye's side first, and fill a window with this outline, or a square one with this side. `frame` is the extent of
+    the window's frame along z. It matters only if it is greater than that of the sheets: then light from the sheets
     can meet the frame. A ray ends after `most` faces, a number or one for each ray (n,).
     With `partial`, a generator of random numbers, a face that refracts light also reflects a part of it. The part
     follows from the Fresnel equations for unpolarised light. The ray is reflected with this part as its probability. So
@@ -224,9 +220,7 @@ class _Trace:
         self.cosine, self.sine = np.cos(angle), np.sin(angle)
         self.centre = np.array([sheet.centre for sheet in sheets])
         self.axes = np.array([sheet.axes for sheet in sheets]) if any(any(sheet.tilt) for sheet in sheets) else None
-        self.window = np.array([sheet.window for sheet in sheets])
-        # z of the middle of each sheet's window
-        self.middle = np.array([self.centre[self.window == window].mean() for window in self.window])
+        self.middle = self.centre.mean()
         self.outline, self.frame = outline, frame / 2
         # of profiles: the cell in which a ray first met glass in its sheet, and the one in which it did last
         self.borders = isinstance(glass, ProfileCells)
@@ -330,18 +324,13 @@ class _Trace:
         if self.borders:
             self.rays.orders[i, self.sheet[i]] += np.nan_to_num(self.last[i] - self.entered[i]).astype(int)
         onward = np.where(self.rays.direction[i, 2] > 0, 1, -1)
-        before, after = self.sheet[i], self.sheet[i] + onward
+        after = self.sheet[i] + onward
         last = (after < 0) | (after == self.sheets)
-        after = np.where(last, before, after)
-        self.sheet[i] = after
-        ended = last | (self.window[after] != self.window[before])  # they leave the window; some reach the next one
-        j, before, after, onward, last = (values[ended] for values in (i, before, after, onward, last))
-        blocked = self.outside(j, self.middle[before] + onward * self.frame)
-        beside = self.outside(j, self.middle[after] - onward * self.frame) | self.arrival(j)[-1]
+        self.sheet[i[~last]] = after[~last]
+        j, onward = i[last], onward[last]
         through = np.where((onward > 0) == self.forward[j], End.THROUGH, End.BACK)
-        self.rays.end[j] = np.select([blocked, last], [End.FRAME, through], End.BESIDE)
-        ended[ended] = blocked | last | beside
-        return self.enter(i[~ended])
+        self.rays.end[j] = np.where(self.outside(j, self.middle + onward * self.frame), End.FRAME, through)
+        return self.enter(i[~last])
 
     def outside(self, i: Indices, z: Floats) -> Booleans:
         """Return whether rays are outside the window where they cross the plane z.

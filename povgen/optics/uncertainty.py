@@ -42,7 +42,7 @@ def layers(P: complex, E: complex, windows: apparent.Windows) -> list[Layer]:
         ray[:4, :2] = np.vstack((_derivative(place), _derivative(slope)))
         ray[:, 2] = place[0].real, place[0].imag, slope[0].real, slope[0].imag, 1
         z = 0.0
-        for sheet in window.layers_at(0.0, 0):
+        for sheet in window.glass:
             ray, z = paraxial.free(sheet.centre - z) @ ray, sheet.centre
             across = np.array([-np.sin(sheet.angle), np.cos(sheet.angle)]) @ ray[:2, :2] / (z2 * sheet.shape.pitch)
             does = paraxial.small_angles(sheet.shape)
@@ -121,7 +121,7 @@ def _end(P: complex, E: complex, z1: float, windows: apparent.Windows) -> comple
     """
     s, place = (P - E) / windows[0][0], E
     for distance, window in windows:
-        sheets = window.layers_at(0.0, 0)
+        sheets = window.glass
         if not sheets:
             _, _, place, s = apparent.follow(s, place, [(distance, window)])[0]
             continue

@@ -12,7 +12,7 @@ from pathlib import Path
 from povgen import limits, optics, sheets
 from povgen.rendering import cache
 from povgen.rendering.parallel import computed, cores
-from povgen.scene import scenes, survey, windows
+from povgen.scene import survey
 from povgen.scene.scene import Scene
 
 MOST = 16  # processes that make surveys at once
@@ -35,7 +35,7 @@ def found(scene: Scene, store: bool = False) -> survey.Survey | None:
     return made
 
 
-def _key(given: survey.SurveyInputs | survey.RoomInputs) -> str:
+def _key(given: survey.Inputs) -> str:
     return f"{_code_of_trace()}\0{given}"
 
 
@@ -56,7 +56,7 @@ def make(shown: Iterable[Scene]) -> None:
 @functools.cache
 def _code_of_trace() -> str:
     """Return a checksum of the code that makes surveys. A survey that other code made is not used."""
-    texts = [inspect.getsource(module) for module in (limits, scenes, survey, windows)]
+    texts = [inspect.getsource(module) for module in (limits, survey)]
     for package in (optics, sheets):
         texts += [file.read_text("utf-8") for file in sorted(Path(package.__path__[0]).glob("*.py"))]
     return sha256("\0".join(texts).encode()).hexdigest()

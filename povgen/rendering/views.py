@@ -50,7 +50,7 @@ def check_gl(scene: Scene) -> None:
     if any(isinstance(sheet, Lenticular) and not sheet.is_exact for sheet in scene.sheets):
         raise InputError("error: the renderer gl draws lenses of one pitch; allowed: with --renderer povray")
     for name in RANDOM:
-        if any(getattr(sheet, name) for each in scene.layered for sheet in each.layers_at(0.0, 0)):
+        if any(getattr(sheet, name) for each in scene.layered for sheet in each.glass):
             raise InputError(f"error: {name}: the renderer gl draws equal prisms; allowed: with --renderer povray")
     for opening in scene.openings:
         if isinstance(sheet := opening.sheet, OwnLaw) and not _fits_32_bits(sheet, opening, scene.camera.eye):

@@ -77,7 +77,7 @@ class Predicted(EyeAndWindows):
         _distances(z1)
         if self.window or not self.layered or not np.isfinite(L):
             return []
-        return ghosts(L, self.E, z1, self.z2, self.layered[0].layers_at(0.0, 0), self.aperture, least)
+        return ghosts(L, self.E, z1, self.z2, self.layered[0].glass, self.aperture, least)
 
     @input_errors()
     def nu_and_M(self, z1: ArrayLike) -> tuple[Floats, Floats]:

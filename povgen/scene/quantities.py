@@ -74,7 +74,7 @@ def traced_image(scene: AxialScene) -> TracedImage:
     centre = complex(scene.apparent_position(L, z1))
     if not np.isfinite(centre):
         return NOT_SEEN._replace(M=np.inf if np.isinf(centre) else np.nan)
-    pitch = max((layer.shape.pitch for sheet in scene.sheets for layer in sheet.layers_at(0.0, 0)), default=0.0)
+    pitch = max((layer.shape.pitch for sheet in scene.sheets for layer in sheet.glass), default=0.0)
     radius, turn = np.random.default_rng(1).uniform(size=(2, RAYS))
     step = max(0.1, 8 * pitch) * np.sqrt(radius) * np.exp(2j * np.pi * turn)
     light = scene.trace(scene.camera.through(centre + step))

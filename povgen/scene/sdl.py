@@ -149,7 +149,7 @@ def to_pov(
     assert isinstance(scene, AxialScene)
     shown_by = cells.template(scene)
     first = scene.sheets[0]
-    built = first.layers_at(0.0, 0) if isinstance(first, PrismPair) and not first.is_exact else ()
+    built = first.glass if isinstance(first, PrismPair) and not first.is_exact else ()
     return (
         _environment()
         .get_template(f"{scene.name}.pov.j2")
@@ -274,7 +274,7 @@ def _profiles(scene: Scene) -> list[ProfileWindow]:
     for number, sheet in enumerate(scene.sheets):
         if isinstance(sheet, Layered) and not isinstance(shape := sheet.shape, Prism):
             suffix = suffixes.setdefault((sheet.counted, shape), f"_{len(suffixes) + 1}" if suffixes else "")
-            shapes = [] if sheet.is_exact else [built.shape for built in sheet.layers_at(0.0, 0)]
+            shapes = [] if sheet.is_exact else [built.shape for built in sheet.glass]
             near, far = shapes or (None, shape)
             found.append(ProfileWindow(number, sheet, far, suffix, near))
     return found

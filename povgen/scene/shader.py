@@ -163,7 +163,7 @@ def numbers(thing: SceneObject, names: Sequence[str], shown: Sequence[Picture]) 
 
 def _windows(openings: Sequence[Opening], laws: Sequence[Text]) -> dict[str, Any]:
     """Return the uniforms of windows and sheets. A window has two sheets of glass; a missing one has zeros."""
-    windows = [opening.sheet.layers_at(0.0, k) for k, opening in enumerate(openings)]
+    windows = [opening.sheet.glass for opening in openings]
     none = GlassSheet(0.0, 0.0, Prism(1.0))
     layers = [layer for sheets in windows for layer in (*sheets, none, none)[:2]]
     shapes = [opening.sheet.shape if isinstance(opening.sheet, Layered) else Prism(1.0) for opening in openings]

@@ -109,7 +109,7 @@ def file(openings: Sequence[Opening], camera: Camera, tile: int) -> File | None:
 
     None without ideal sheets: POV-Ray's own camera then shows the room.
     """
-    if all(opening.sheet.layers_at(0.0, 0) or isinstance(opening.sheet, NoSheet) for opening in openings):
+    if all(opening.sheet.glass or isinstance(opening.sheet, NoSheet) for opening in openings):
         return None
     # not of the pickled bytes: those of equal sheets differ if one of them has already computed its matrix
     known = repr([__version__, _numbers(camera), tile, *map(_stated, openings)])

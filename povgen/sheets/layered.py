@@ -31,9 +31,10 @@ class Layered(Sheet):
 
     @cached_property
     def transfer(self) -> Matrix:
-        return paraxial.transfer(self.layers_at(0.0, 0))
+        return paraxial.transfer(self.glass)
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
+    @property
+    def glass(self) -> tuple[faces.GlassSheet, ...]:
         if self.layers == 1:
-            return (faces.GlassSheet(0.0, z, self.shape, window),)
-        return trace.pair(self.alpha, self.shape, z, window)
+            return (faces.GlassSheet(0.0, 0.0, self.shape),)
+        return trace.pair(self.alpha, self.shape)

@@ -81,14 +81,15 @@ class Lenticular(Layered):
         """
         check_ranges(self.values["error"], OF_LENSES, "lenses")
         if not self.is_exact:
-            self.layers_at(0.0, 0)
+            _ = self.glass
 
     @cached_property
     def shape(self) -> Profile:
         return self._shape_of(0.0)
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
-        near, far = super().layers_at(z, window)
+    @property
+    def glass(self) -> tuple[faces.GlassSheet, ...]:
+        near, far = super().glass
         wrong = [self.values["error"].get(name, 0.0) for name in OF_LENSES]
         return replace(near, shape=self._shape_of(wrong[0])), replace(far, shape=self._shape_of(wrong[1]))
 

@@ -153,8 +153,9 @@ class PrismPair(Prisms):
         plan = self.shape
         return plan.with_length_kept(index=plan.index + index, base_angle=plan.base_angle + base_angle)
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
-        near, far = trace.pair(self.alpha, self.shape, z, window)
+    @property
+    def glass(self) -> tuple[faces.GlassSheet, ...]:
+        near, far = trace.pair(self.alpha, self.shape)
         if self.is_exact:
             return near, far
         wrong = self._built
@@ -168,7 +169,7 @@ class PrismPair(Prisms):
         near, far = (replace(each, **random, seed=(int(wrong["seed"]), k)) for k, each in enumerate((near, far)))
         least = near.reach(self.aperture) + far.reach(self.aperture)  # a tilted sheet must not meet the other
         aside = (max(far.centre - near.centre, least) + wrong["separation"]) / 2
-        return replace(near, centre=z - aside), replace(far, centre=z + aside)
+        return replace(near, centre=-aside), replace(far, centre=aside)
 
     @property
     def single(self) -> list[list[tuple[float, ...]]]:
@@ -181,7 +182,7 @@ class PrismPair(Prisms):
         if not any(self._built[name] for name in RANDOM):
             return found
 
-        for sheet in self.layers_at(0.0, 0):
+        for sheet in self.glass:
             _, bottoms, angles = faces.single_prisms(sheet, self.aperture)
             heights = np.diff(bottoms) - self.shape.gap * self.pitch
             found.append([*zip(bottoms, heights, *np.degrees(angles).T, strict=False)])
@@ -191,7 +192,7 @@ class PrismPair(Prisms):
     def depth(self) -> float:
         if self.is_exact:
             return super().depth
-        near, far = self.layers_at(0.0, 0)
+        near, far = self.glass
         return 2 * max(far.centre + far.reach(self.aperture), near.reach(self.aperture) - near.centre)
 
     @property

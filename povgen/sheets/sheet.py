@@ -125,11 +125,11 @@ class Sheet:
         """Extent along z, tiles."""
         return 0.0
 
-    def layers_at(self, z: float, window: int) -> tuple[faces.GlassSheet, ...]:
-        """Return the layers of glass of which this sheet consists, the one nearest to the eye first.
+    @property
+    def glass(self) -> tuple[faces.GlassSheet, ...]:
+        """The layers of glass of which this sheet consists, the one nearest to the eye first; none of an ideal sheet.
 
-        z is the place of the sheet's middle plane, tiles from the first window. `window` is the number of its window,
-        from 0. An ideal sheet has no layers.
+        They are in the window's own coordinates.
         """
         return ()
 

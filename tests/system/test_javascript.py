@@ -64,7 +64,7 @@ def test_rays_through_prisms_are_those_of_python(page, sheet, prisms, towards):
     count, frame = 400, 26.0 / prisms + 0.3
     start = np.column_stack((random.uniform(-2, 2, (count, 2)), np.full(count, -40.0 * towards)))
     through = np.column_stack((random.uniform(-1.7, 1.7, (count, 2)), np.zeros(count)))
-    sheets = scene.sheets[0].layers_at(0.0, 0)
+    sheets = scene.sheets[0].glass
     if sheet != "lenticular":
         sheets = [replace(layer, shape=dove(layer.shape)) for layer in sheets]
     wanted = trace.trace(start, through - start, tuple(sheets), scene.aperture, frame=frame)

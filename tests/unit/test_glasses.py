@@ -118,7 +118,7 @@ def test_windows_can_have_glass_of_their_own():
 
 def built(scene):
     """Return the numbers of what is built, the indices, and the lines of the .pov text that depend on no index."""
-    shapes = [layer.shape for sheet in scene.sheets for layer in sheet.layers_at(0.0, 0)]
+    shapes = [layer.shape for sheet in scene.sheets for layer in sheet.glass]
     edges = [edge for shape in shapes for edge in getattr(shape, "edges", ())]
     numbers = [scene.depth, *(x for edge in edges for x in (*edge.start, *edge.end, edge.radius, edge.period))]
     numbers += [x for shape in shapes for x in (shape.pitch, shape.length)]

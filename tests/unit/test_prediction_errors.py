@@ -16,7 +16,7 @@ from povgen.limits import MAX_ERROR
 from povgen.measure import probes
 from povgen.optics import equations
 from povgen.optics.uncertainty import RADII
-from povgen.scene import cells, survey, warnings
+from povgen.scene import cells, warnings
 from povgen.scene.quantities import traced_image
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
@@ -97,7 +97,7 @@ def measured_error(scene, rays=80):
 
 def where_rays_end(scene, points, z1):
     """Return the rays from the eye to points of the first window that take the designed path, and where they end."""
-    found = scene.trace(scene.camera.through(points), 3 * len(survey.prism_sheets(scene.windows)) + 1)
+    found = scene.trace(scene.camera.through(points), 3 * sum(sheet.layers for sheet in scene.sheets) + 1)
     onward = found.at(scene.places[-1] + z1)
     return points[found.designed], onward[found.designed]
 

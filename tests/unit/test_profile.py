@@ -210,7 +210,7 @@ def test_a_pair_of_lenticular_sheets_obeys_its_law(values):
     s = np.repeat([0.02 + 0.01j, -0.01 + 0.03j, 0.03j], 3000)
     place = np.random.default_rng(1).uniform(-0.5, 0.5, (len(s), 2)) * (1, 1)
     direction = np.column_stack((s.real, s.imag, np.ones(len(s))))
-    rays = trace(np.column_stack((place, np.full(len(s), -3.0))), direction, lens.layers_at(0.0, 0), 3.0)
+    rays = trace(np.column_stack((place, np.full(len(s), -3.0))), direction, lens.glass, 3.0)
     slope = (rays.direction[:, 0] + 1j * rays.direction[:, 1]) / rays.direction[:, 2]
     for value in np.unique(s):
         assert abs(slope[rays.designed & (s == value)].mean() - law.slope(value)) < 2e-3

@@ -1,5 +1,7 @@
 """Windows in series: against light followed window by window, closed forms, and the exact trace through real prisms."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import glass
@@ -7,7 +9,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from povgen.optics import apparent, equations, series
+from povgen.optics.faces import GlassSheet
+from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
+from povgen.optics.rays import Bundle, Opening, trace_windows
 from povgen.optics.trace import pair, trace
 from povgen.sheets.rotation import Rotation
 
@@ -108,24 +113,19 @@ def test_windows_that_image_every_plane_or_none(alpha, behind, image):
 
 
 def windows(alpha, behind, prism):
-    """Return the sheets of windows in series, with `behind` as in `equations.depth`. All have the same prisms."""
+    """Return windows in series, with `behind` as in `equations.depth`. All have the same prisms."""
     places = np.cumsum([0, *(d for d, _ in behind)])
     turns = [alpha, *(turn for _, turn in behind)]
-    return sum((pair(turn, prism, z, n) for n, (turn, z) in enumerate(zip(turns, places, strict=True))), ())
+    sheets = [SimpleNamespace(glass=pair(turn, prism), aperture=WINDOW) for turn in turns]
+    return [Opening(Pose(z=z), sheet) for z, sheet in zip(places, sheets, strict=True)]
 
 
 def traced(series, prisms, points, E=0.1 + 0.2j, z2=6.0, **shape):
     """Trace rays from the eye to points in the plane of the first window. Return the rays, their slopes, the prism."""
     prism = Prism(WINDOW / prisms, **shape)
     direction = np.column_stack(((points - E).real, (points - E).imag, np.full(len(points), z2)))
-    rays = trace([[E.real, E.imag, -z2]], direction, windows(*series, prism), WINDOW)
+    rays = trace_windows(Bundle([E.real, E.imag, -z2], direction), windows(*series, prism))
     return rays, (points - E) / z2, prism
-
-
-def meets(rays, z):
-    """Return where straight continuations of rays cross a plane."""
-    x, y = (rays.position + (z - rays.position[:, 2:]) / rays.direction[:, 2:] * rays.direction)[:, :2].T
-    return x + 1j * y
 
 
 def squares(n, half, rng):
@@ -140,12 +140,12 @@ def test_the_image_through_four_sheets(rng):
     L, z = 0.15 - 0.1j, 4.0  # the second window is at 2
     aims = squares(70, 0.25, rng)
     direction = np.column_stack(((aims - L).real, (aims - L).imag, np.full(len(aims), -2.0)))
-    rays = trace([[L.real, L.imag, z]], direction, windows(*IMAGING, prism), WINDOW)
-    on = rays.designed
+    rays = trace_windows(Bundle([L.real, L.imag, z], direction), windows(*IMAGING, prism))
+    on = rays.designed & rays.met_each_in_turn(False, 2)
     assert 0.4 < on.mean() < 0.55
 
     def spread(w):
-        at = meets(rays, w)[on]
+        at = rays.at(w)[on]
         return np.sqrt((abs(at - at.mean()) ** 2).mean()), abs(at.mean() - L)
 
     (sharp, aside), (before, _), (after, _) = spread(-2), spread(-2.8), spread(-1.2)
@@ -160,8 +160,8 @@ def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
     z1, z2, E = 3.0, 8.0, 0.1 + 0.2j
     alpha, behind = series
     rays, slope, prism = traced(series, prisms, squares(100, 0.4, rng), E, z2)
-    on = rays.designed
-    D = meets(rays, sum(d for d, _ in behind) + z1)[on] - E
+    on = rays.designed & rays.met_each_in_turn(True, len(behind) + 1)
+    D = rays.at(sum(d for d, _ in behind) + z1)[on] - E
     (A, B), *_ = np.linalg.lstsq(np.column_stack((slope[on], slope[on].conj())), D, rcond=None)
     thin = equations.depth(z1, z2, alpha, behind)
     predicted = apparent.depths(z1, glass(z2, alpha, prism, behind))
@@ -184,12 +184,5 @@ def test_prisms_of_no_size_obey_the_complex_depth(z1, z2, alpha, behind):
 
 def test_sheets_that_overlap_are_refused():
     prism = Prism(WINDOW / 30)
-    least = prism.thickness(2)
-    ray = [[0, 0.02, -3]], [[0, 0, 1]]
-    trace(*ray, windows(0.0, [(2.0, 1.0), (least, 1.0)], prism), WINDOW)
-    centre = 2.3 - prism.separation / 2
-    allowed = 2 + prism.separation / 2 + prism.length
-    with pytest.raises(
-        ValueError, match=f"^centre = {centre:g}: overlaps the sheet before; allowed: {allowed:g} or more$"
-    ):
-        trace(*ray, windows(0.0, [(2.0, 1.0), (0.3, 1.0)], prism), WINDOW)
+    with pytest.raises(ValueError, match=f"^centre = 0: overlaps the sheet before; allowed: {prism.length:g} or more$"):
+        trace([[0, 0.02, -3]], [[0, 0, 1]], (GlassSheet(0.0, 0.0, prism), GlassSheet(1.0, 0.0, prism)), WINDOW)
