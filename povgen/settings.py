@@ -1,7 +1,7 @@
 """How a scene is rendered: the qualities, picture size, antialiasing, caption and overlay."""
 
 from collections.abc import Sequence
-from math import ceil
+from math import ceil, isqrt
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self, TypedDict, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -32,6 +32,7 @@ QUALITIES = {
     "high": Preset((960, 720), ("2x", (1, 0.1, 3)), frames=3),
     "hd": Preset((1920, 1080), ("2x", (1, 0.1, 3)), frame_rate=30),  # players and editors expect 30 frames a second
 }
+PUPIL_RAYS = 65  # in each pixel, from so many places in a pupil: n * n + 1 (docs/speed.md says why so many)
 MAX_SIDES = {"povray": 7680, "gl": 16384}  # pixels, by renderer
 MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
 # how povgen reduces it, for the keys of the cache
@@ -132,6 +133,13 @@ class Sampling(Model):
         if "antialias" not in self.model_fields_set:
             object.__setattr__(suited, "antialias", QUALITIES[self.quality].antialias[not prisms])
         return suited
+
+    def through(self, pupil: float) -> Self:
+        """Return the sampling for an eye with a pupil, whose many rays a pixel are antialiasing enough."""
+        if not pupil:
+            return self
+        rays = None if getattr(self, "renderer", "povray") == "povray" else (1, 0.1, isqrt(PUPIL_RAYS - 1))
+        return self.model_copy(update={"antialias": rays})
 
     @property
     def file(self) -> str:

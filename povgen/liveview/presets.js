@@ -58,16 +58,16 @@ export const floorY = (scene) => (scene.objects ? scene.floor_y : preset(scene).
 // the middle: `Eye.camera` in povgen/scene/room.py.
 export function camera(scene) {
   const [right, up, along] = AXES;
-  if (!scene.objects) return { eye: [...scene.eye, -scene.z2], middle: [0, 0, 0], right, up, height: scene.view };
+  if (!scene.objects) return { eye: [...scene.eye, -scene.z2], middle: [...scene.look, 0], right, up, height: scene.view };
   const { x, y, z, look_x, look_y, look_z, roll, view } = scene.eye, place = [x, y, z], middle = [look_x, look_y, look_z];
   const ahead = unit(along.map((_, k) => middle[k] - place[k]));
   const across = Math.hypot(ahead[0], ahead[2]) > 1e-9 ? unit(cross(up, ahead)) : right, above = cross(ahead, across);
   const [c, s] = [Math.cos(radians(roll)), Math.sin(radians(roll))];
   const sides = [along.map((_, k) => c * across[k] + s * above[k]), along.map((_, k) => c * above[k] - s * across[k])];
-  return { eye: place.map((each, k) => each + scene.eye.aside * sides[0][k]), middle, right: sides[0], up: sides[1], height: view };
+  return { eye: place.map((each, k) => each + scene.eye.aside * sides[0][k] + scene.eye.above * sides[1][k]), middle, right: sides[0], up: sides[1], height: view };
 }
 /** @type {(one: number[], other: number[]) => number[]} */
-const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
+export const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 const unit = (v) => v.map((x) => x / Math.hypot(...v));
 
 export const isTurned = ({ axes }) => String(axes) !== String(AXES);

@@ -1,7 +1,7 @@
 // What the shaders are given for a scene, as in povgen/scene/shader.py. Lengths are in tiles, angles in degrees.
 
 import * as geometry from "./geometry.js";
-import { camera, floorY, horizon, isTurned, objects, openings } from "./presets.js";
+import { camera, cross, floorY, horizon, isTurned, objects, openings } from "./presets.js";
 import { CONSTANTS, constants, hasPrisms, kind } from "./sheets.js";
 
 const BACKGROUNDS = { sky: 0, black: 1, white: 2, transparent: 3 };
@@ -33,10 +33,14 @@ export function defines(scene, { names, grid }) {
     ...(all.some(hasPrisms) && { PRISMS: 1 }),
     ...(all.some((window) => kind(window) >= 0) && { LAWS: 1 }),
     ...(!scene.objects && { AXIAL: 1 }),
+    ...(scene.pupil && { PUPIL: 1 }),
     ...Object.fromEntries(Object.keys(surroundings).map((part) => [`${part.toUpperCase()}_PICTURE`, 1])),
   };
   return Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
 }
+
+// The distance of the eye from the picture's plane.
+const distance = ({ eye, middle, right, up }) => cross(right, up).reduce((sum, each, k) => sum + each * (middle[k] - eye[k]), 0);
 
 /** @type {(list: any[], length: number, rest?: any) => any[]} */
 const padded = (list, length, rest = 0) => [...list, ...Array(length - list.length).fill(rest)];
@@ -51,6 +55,8 @@ export function uniforms(scene, { names, places }) {
     viewRight: right,
     viewUp: up,
     viewHeight: height,
+    pupil: scene.pupil / 2,
+    outOfFocus: 1 - scene.nearness * distance(camera(scene)),
     background: BACKGROUNDS[scene.background],
     frameRim: scene.rim,
     hasFloor: ground !== null,

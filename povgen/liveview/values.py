@@ -8,6 +8,7 @@ from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import File, as_png
 from povgen.optics.rays import Opening
 from povgen.scene import shader
+from povgen.scene.pupil import nearness
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, pieces
@@ -30,7 +31,14 @@ def values(scene: Scene) -> dict[str, Any]:
     about: dict[str, dict[str, Any]] = {"cards": {"places": shader.cards(scene).places}}
     about |= {part: {"tiles": each.tiles, "mean": each.mean} for part, each in shader.surroundings(scene).items()}
     pictures = {part: {"data": _data(file), **about[part]} for part, file in shader.pictures(scene).items()}
-    return found | {"name": scene.name, "rim": scene.rim, "faces": max_trace_level(scene), "pictures": pictures}
+    return found | {
+        "name": scene.name,
+        "pupil": scene.pupil,
+        "nearness": nearness(scene),
+        "rim": scene.rim,
+        "faces": max_trace_level(scene),
+        "pictures": pictures,
+    }
 
 
 def _preset(scene: AxialScene) -> dict[str, Any]:

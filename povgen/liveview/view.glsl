@@ -5,6 +5,10 @@ uniform vec3 viewMiddle, viewRight, viewUp;  // of the rectangle that the pictur
 uniform float viewHeight;    // height of this rectangle, tiles
 uniform vec2 size;           // of the picture, pixels
 uniform vec2 jitter;         // the ray's place in its pixel, from the centre, pixels
+#ifdef PUPIL
+uniform float pupil;         // its radius, tiles
+uniform float outOfFocus;    // how far the picture moves with the eye, of the eye's way: 0 if the eye is focused on its plane
+#endif
 
 struct Seen {
   vec3 origin, direction;  // of the ray that leaves the last window; if it meets none, of the eye's ray
@@ -19,6 +23,14 @@ vec3 placeOf(vec2 pixel) {
   vec2 at = (pixel + jitter - size / 2.0) / size.y * viewHeight;
   return viewMiddle + at.x * viewRight + at.y * viewUp;
 }
+
+#ifdef PUPIL
+// How far from the middle of the pupil a ray enters it: povgen/scene/pupil.py.
+vec3 asideInPupil() {
+  vec2 u = fract(float(rayNumber) * vec2(0.8566748838545029, 0.733891856627126));
+  return pupil * sqrt(u.x) * (cos(2.0 * PI * u.y) * viewRight + sin(2.0 * PI * u.y) * viewUp);
+}
+#endif
 
 // Where a ray crosses the end of a window's frame: the far one if side = 1, the near one if side = -1.
 vec2 openingAt(int w, float side, vec3 o, vec3 d) {
@@ -95,9 +107,14 @@ const int MOST_WINDOWS = 100;  // that a ray passes; the trace in numpy has the 
 // What the eye sees at a place in the plane of the picture. A ray to the first window is counted from there, not from the
 // eye: a far eye's distance, in pitches, would have too many digits.
 Seen see(vec3 place) {
-  vec3 o = place, d = normalize(place - eye);  // a point of the ray, and its direction
-  float start = -distance(place, eye), reach;  // where the ray starts, from this point
-  Seen seen = Seen(eye, d, d, Hit(0.0, SKY, vec3(0)), false, Passage(eye, d, THROUGH, 0));
+  vec3 from = eye;
+#ifdef PUPIL
+  from += asideInPupil();
+  place += outOfFocus * asideInPupil();
+#endif
+  vec3 o = place, d = normalize(place - from);  // a point of the ray, and its direction
+  float start = -distance(place, from), reach;  // where the ray starts, from this point
+  Seen seen = Seen(from, d, d, Hit(0.0, SKY, vec3(0)), false, Passage(from, d, THROUGH, 0));
 #if defined(AXIAL) && WINDOWS == 1  // a ray into its frame meets nothing else before the sheets
   if (windowMet(o, d, start, -1, reach) == 0 && endsIn(0, seen, o, reach)) return seen;
 #else

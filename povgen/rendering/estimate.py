@@ -8,9 +8,9 @@ from povgen.errors import PovrayError
 from povgen.files import temporary_folder
 from povgen.rendering.frames import named, renderer_of
 from povgen.rendering.parallel import Runner, cores, cpu_seconds, thread_pool
-from povgen.rendering.views import views
+from povgen.rendering.views import frames_of
 from povgen.scene.scene import Scene
-from povgen.settings import Rendering
+from povgen.settings import PUPIL_RAYS, Rendering
 
 SIZES = (64, 48), (160, 120), (480, 360)  # of the small pictures; the third one if the second costs too little
 ENOUGH = 0.05  # CPU seconds that pictures of two sizes have to differ by, for each scene
@@ -56,7 +56,7 @@ def estimate(scenes: Sequence[Scene], rendering: Rendering) -> Estimate:
 
 def _frames(scenes: Sequence[Scene], rendering: Rendering) -> list[Scene]:
     """Return the different frames of these pictures."""
-    return [*dict.fromkeys(view for scene in dict.fromkeys(scenes) for view in views(scene, rendering))]
+    return [*dict.fromkeys(view for scene in dict.fromkeys(scenes) for view in frames_of(scene, rendering))]
 
 
 def rays(frames: Sequence[Scene], rendering: Rendering) -> float:
@@ -67,6 +67,8 @@ def rays(frames: Sequence[Scene], rendering: Rendering) -> float:
     """
     suited = rendering.suited(any(scene.has_prisms for scene in frames))
     width, height = suited.size
+    if any(scene.pupil for scene in frames):
+        return width * height * len(frames) * (PUPIL_RAYS if suited.renderer == "gl" else 1)
     if suited.renderer == "gl":
         more = suited.rays - 1.0
     elif isinstance(suited.antialias, tuple):

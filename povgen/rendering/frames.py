@@ -18,7 +18,7 @@ from povgen.errors import InputError, PovrayError, TransientError, shown
 from povgen.files import temporary_folder
 from povgen.rendering import cache, gl_runner, gl_scene, light, povray, survey_cache
 from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
-from povgen.rendering.views import views
+from povgen.rendering.views import frames_of
 from povgen.rendering.volumes import volumes
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import pieces
@@ -31,6 +31,7 @@ SHOWN_FAILURES = 3  # the greatest number of failed frames that a message descri
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> bytes:
     """Return the bytes of the frame's file. Raises PovrayError, whose message states the scene's parameters."""
+    rendering = rendering.through(scene.pupil)
     path = cache.frame_path(source, rendering)
     if frame := cache.read(path):
         return frame
@@ -71,7 +72,7 @@ def render_all(
     runner: Runner | None = None,
     part: Callable[[float], None] | None = None,
 ) -> Generator[list[bytes], None, None]:
-    """Yield a list of frames for each scene: one, or several for stereo or a transparent background.
+    """Yield a list of frames for each scene, those of `frames_of`.
 
     The lists are in the order of the scenes. A frame is the bytes of a PNG file, or, if `rendering.is_light`, the bytes
     that `light.unpacked` takes.
@@ -88,7 +89,7 @@ def render_all(
     most, stopping.keeps_frames = cache.max_bytes(), True
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     failures = []
-    shown = [views(scene, rendering) for scene in scenes]
+    shown = [frames_of(scene, rendering) for scene in scenes]
     every = list(chain(*shown))
     to_text, runner, workers = renderer_of(every, rendering, runner, workers, part)
     try:
@@ -187,9 +188,9 @@ def _begun(
 def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:
     """Return how many frames of the scenes are not in the cache. A scene can have several frames."""
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
-    every = list(chain(*(views(scene, rendering) for scene in scenes)))
+    every = list(chain(*(frames_of(scene, rendering) for scene in scenes)))
     to_text, *_ = renderer_of(every, rendering, None, 1)
-    return sum(not cache.frame_path(to_text(scene), rendering).is_file() for scene in every)
+    return sum(not cache.frame_path(to_text(scene), rendering.through(scene.pupil)).is_file() for scene in every)
 
 
 def shard(scenes: list[Scene], part: str) -> list[Scene]:

@@ -15,7 +15,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from io import BytesIO
 from itertools import product
-from math import isqrt
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +26,10 @@ from PIL.PngImagePlugin import PngImageFile
 
 from povgen import stopping
 from povgen.inputs import hdr
-from povgen.rendering.light import packed
+from povgen.rendering.light import packed, place
 
 # A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
 TILE = 1024  # pixels, a power of 2: the side of such a square
-STEP = 512  # `place` returns multiples of 1/STEP: these places are exact in 32-bit numbers in every tile
 PROGRAMS = 30  # at most so many compiled programs are kept: each law of a user's own needs another one
 RUN_LENGTHS = 3  # Z_RLE of zlib: it compresses only runs of equal bytes
 SRGB8 = 0x8C41  # OpenGL's number: colours of 8 bits, which become linear light before they are interpolated
@@ -198,23 +196,6 @@ def set_uniforms(program: Any, values: dict[str, Any]) -> None:  # noqa: ANN401 
         if name in values:
             uniform, numbers = program.program[name], np.ravel(values[name])
             uniform.write(numbers.astype("i4" if uniform.fmt[-1] == "i" else "f4").tobytes())
-
-
-def place(number: int, rays: int, wide_filter: bool) -> tuple[float, float]:
-    """Return a ray's place in its pixel, (x, y) from the centre to the right and up, pixels. `number` is from 0.
-
-    With the wide filter, `rays` is n * n, and the rays are on a square grid. Otherwise `rays` is n * n + 1, and this
-    grid is rotated so that no two rays are in a row or in a column. This makes nearly horizontal and vertical edges
-    smoother.
-    """
-    if wide_filter:
-        n = side = isqrt(rays)
-        at = number % side, number // side
-    else:
-        n, middle, rise = rays, rays // 2, isqrt(rays - 1)
-        at = number, (middle + (number - middle) * rise) % rays
-    x, y = (round(STEP * ((k + 0.5) / n - 0.5)) / STEP for k in at)
-    return x, y
 
 
 def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:

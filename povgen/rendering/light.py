@@ -1,6 +1,8 @@
 """Light as numbers: from sRGB bytes and back, reduced in size by averaging, and as the bytes of a frame."""
 
 import zlib
+from collections.abc import Iterable
+from math import isqrt
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +16,22 @@ from povgen.inputs import hdr
 from povgen.inputs.hdr import Light
 
 Picture = NDArray[np.uint8]
+STEP = 512  # `place` returns multiples of 1/STEP: these places are exact in 32-bit numbers in every tile of gl.py
 
 
 def linear(picture: Picture) -> Light:
     """Return the light, 0 to 1, of sRGB bytes."""
     return hdr.linear(range(256))[picture]
+
+
+def mean(pictures: Iterable[NDArray[Any]], count: int) -> NDArray[Any]:
+    """Return the mean of the light of so many pictures: sRGB bytes, or light. The result is of the same kind."""
+    light: Light = np.zeros(1, np.float32)
+    kind: np.dtype[Any] = light.dtype
+    for picture in pictures:
+        kind = picture.dtype
+        light = np.asarray(light + (linear(picture) if kind == np.uint8 else picture) / count, np.float32)
+    return np.asarray(hdr.encoded(light) + np.float32(0.5) if kind == np.uint8 else light, kind)
 
 
 def reduced(picture: Picture, size: tuple[int, int]) -> Picture:
@@ -57,6 +70,23 @@ def reduce_file(path: Path, size: tuple[int, int]) -> None:
     except (OSError, SyntaxError, ValueError):  # what Pillow raises
         return
     Image.fromarray(reduced(picture, size)).save(path, format="PNG")
+
+
+def place(number: int, rays: int, wide_filter: bool) -> tuple[float, float]:
+    """Return a ray's place in its pixel, (x, y) from the centre to the right and up, pixels. `number` is from 0.
+
+    With the wide filter, `rays` is n * n, and the rays are on a square grid. Otherwise `rays` is n * n + 1, and this
+    grid is rotated so that no two rays are in a row or in a column. This makes nearly horizontal and vertical edges
+    smoother.
+    """
+    if wide_filter:
+        n = side = isqrt(rays)
+        at = number % side, number // side
+    else:
+        n, middle, rise = rays, rays // 2, isqrt(rays - 1)
+        at = number, (middle + (number - middle) * rise) % rays
+    x, y = (round(STEP * ((k + 0.5) / n - 0.5)) / STEP for k in at)
+    return x, y
 
 
 # ---- Frames of light: red, green and blue of each pixel, numbers of 32 bits, compressed by zlib, which adds a checksum

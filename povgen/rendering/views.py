@@ -1,6 +1,6 @@
 """A picture that is composed of several frames: two eyes' views, or a transparent background."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from povgen.errors import InputError, shown
 from povgen.inputs.hdr import encoded
 from povgen.optics.rays import Opening
+from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
+from povgen.scene import pupil
 from povgen.scene.camera import Vector
 from povgen.scene.scene import Scene, checked_class
-from povgen.settings import Rendering
+from povgen.settings import PUPIL_RAYS, Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.prisms import RANDOM
@@ -35,12 +37,36 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
         )
     half = rendering.eye_distance / 2
     try:
-        eyes = [scene] if rendering.stereo == "none" else [scene.seen_aside(by) for by in (-half, half)]
+        eyes = [scene] if rendering.stereo == "none" else [scene.seen_from(by) for by in (-half, half)]
     except InputError as error:
         raise InputError(f"eye_distance = {rendering.eye_distance:g}: for one of the two eyes, {error}") from None
     if scene.background != "transparent":
         return eyes
     return [eye.replace(background=sky) for eye in eyes for sky in ("black", "white")]
+
+
+def frames_of(scene: Scene, rendering: Rendering) -> list[Scene]:
+    """Return the scenes that are rendered for each of the `views`, one view after another.
+
+    POV-Ray shows an eye with a pupil by pictures from PUPIL_RAYS places in it. Raises as `views` does, and InputError
+    if an eye cannot be at one of these places.
+    """
+    shown = views(scene, rendering)
+    if not scene.pupil or rendering.renderer == "gl":
+        return shown
+    jitter = [complex(*light.place(number, PUPIL_RAYS, False)) for number in range(PUPIL_RAYS)]
+    try:
+        return [eye for view in shown for eye in pupil.eyes(view, jitter, view.camera.height / rendering.size[1])]
+    except InputError as error:
+        raise InputError(f"pupil = {scene.pupil:g}: for a place in it, {error}") from None
+
+
+def merged(frames: Sequence[bytes], read: Callable[[bytes], NDArray[Any]], count: int) -> list[NDArray[Any]]:
+    """Return the pictures of so many `views` from their frames (`frames_of`), which `read` decodes: means of light."""
+    each = len(frames) // count
+    if each == 1:
+        return [read(frame) for frame in frames]
+    return [light.mean(map(read, frames[n : n + each]), each) for n in range(0, len(frames), each)]
 
 
 def check_gl(scene: Scene) -> None:

@@ -62,7 +62,7 @@ def rays(
 
     A pixel shows the window if its ray passes the frame's opening in two planes: at the frame's front, and at z = 0.
     """
-    position = scene.camera.pixels(size)
+    position = scene.middle + scene.camera.pixels(size)
     front = scene.E + (position - scene.E) * (1 - scene.depth / 2 / scene.z2)
     half = scene.aperture / 2
     inside = (_reach(position) < half) & (_reach(front) < half)

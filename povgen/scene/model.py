@@ -62,7 +62,11 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     eye: Point = Field(
         default=(0, 0),
         description="the eye E as X,Y from the window's centre, to the right and up, -10 to 10 tiles; the objects and "
-        "the window stay, and the window stays in the middle of the picture",
+        "the window stay, and the picture still shows the same part of the plane of the sheets",
+    )
+    look: Point = Field(
+        default=(0, 0),
+        description="the point X,Y of the plane of the sheets in the middle of the picture, -10 to 10 tiles",
     )
     if TYPE_CHECKING:  # the names of changes are those of the parameters
 
@@ -134,11 +138,15 @@ class EyeAndWindows(Scene, ParametersOfSheets):
 
     @property
     def camera(self) -> Camera:
-        return Camera((*self.eye, -self.z2), (0, 0, 0), (1, 0, 0), (0, 1, 0), self.view)
+        return Camera((*self.eye, -self.z2), (*self.look, 0), (1, 0, 0), (0, 1, 0), self.view)
 
-    def seen_aside(self, by: float) -> Self:
-        x, y = self.eye
-        return self.replace(eye=(round(x + by, 12), y), view=self.view)
+    @property
+    def middle(self) -> complex:
+        return complex(*self.look)
+
+    def seen_from(self, aside: complex, moved: complex = 0) -> Self:
+        eye, look = ((round(z.real, 12), round(z.imag, 12)) for z in (self.E + aside, self.middle + moved))
+        return self.replace(eye=eye, look=look, view=self.view)
 
     @property
     def openings(self) -> list[Opening]:

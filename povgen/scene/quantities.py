@@ -9,20 +9,25 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from povgen.optics.rays import Convergence
+from povgen.optics.equations import Complexes, Floats
+from povgen.optics.rays import Bundle, Convergence
 from povgen.optics.shares import Shares, shares
-from povgen.scene.scenes import AxialScene
+from povgen.scene import pupil
+from povgen.scene.scenes import AxialScene, checked_axial
 from povgen.sheets.sheet import Said
 
 MIN_RAYS = 100  # with fewer rays on the designed path, the object counts as not seen
+ARCMINUTE = np.radians(1 / 60)
 RAYS = 10_000  # traced rays: the standard error of a share is then at most 0.005
 
 
 # How captions write names of parameters and quantities, where they do not use a sheet's `Parameter.said`, and units,
 # where they do not use `Parameter.unit`. A name that is not in SYMBOLS is written as it is.
 SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂", "index": "n"}
-UNITS = dict.fromkeys(("z", "z1", "z2", "x", "eye", "line", "aperture", "view", "pedestal"), " tiles") | {
+LENGTHS = "z", "z1", "z2", "x", "eye", "look", "line", "aperture", "view", "pedestal", "pupil", "focus"
+UNITS = dict.fromkeys(LENGTHS, " tiles") | {
     "base_angle": "°",
     "wavelength": " nm",
 }
@@ -74,9 +79,8 @@ def traced_image(scene: AxialScene) -> TracedImage:
     centre = complex(scene.apparent_position(L, z1))
     if not np.isfinite(centre):
         return NOT_SEEN._replace(M=np.inf if np.isinf(centre) else np.nan)
-    pitch = max((layer.shape.pitch for sheet in scene.sheets for layer in sheet.glass), default=0.0)
     radius, turn = np.random.default_rng(1).uniform(size=(2, RAYS))
-    step = max(0.1, 8 * pitch) * np.sqrt(radius) * np.exp(2j * np.pi * turn)
+    step = _spread(scene) * np.sqrt(radius) * np.exp(2j * np.pi * turn)
     light = scene.trace(scene.camera.through(centre + step))
     step, place = step[light.designed], light[light.designed].at(scene.places[-1] + z1) - L
     if len(step) < MIN_RAYS:
@@ -96,6 +100,79 @@ def traced_image(scene: AxialScene) -> TracedImage:
         float(max(abs(right), abs(other))),
         float(blur),
     )
+
+
+class Entering(NamedTuple):
+    """Light of a point of the first object that enters the pupil on the designed path, by the ray trace.
+
+    Both are slopes, x + iy, by which single rays miss the direction in which the focused eye sees the point: for small
+    angles these are radians.
+    """
+
+    by_pupil: Complexes  # what is linear in the place in the pupil
+    by_prisms: Complexes  # the remainder, which depends on where a ray meets its prisms
+
+
+@lru_cache(1)
+def entering(scene: AxialScene) -> Entering:
+    """Return the light that enters the scene's pupil, focused as the scene says. Empty if too little is traced.
+
+    Rays from random places in the pupil pass random points of a disc around the object's predicted position. The place
+    where a ray crosses the object's plane is a linear function of the place in the pupil and of the ray's slope, plus a
+    remainder. This function says with which slope a ray from a place in the pupil meets the point.
+    """
+    L, z1 = scene.objects[0]
+    centre, nothing = complex(scene.apparent_position(L, z1)), np.zeros(0, complex)
+    if not np.isfinite(centre):
+        return Entering(nothing, nothing)
+    radius, turn = np.random.default_rng(1).uniform(size=(2, 2, RAYS))
+    aside, step = np.sqrt(radius) * np.exp(2j * np.pi * turn)
+    aside, slope = scene.pupil / 2 * aside, (centre - scene.E) / scene.z2 + _spread(scene) / scene.z2 * step
+    start = np.stack((aside.real + scene.E.real, aside.imag + scene.E.imag, np.full(RAYS, -scene.z2)), -1)
+    light = scene.trace(Bundle(start, np.stack((slope.real, slope.imag, np.ones(RAYS)), -1)))
+    seen = light.designed
+    if seen.sum() < MIN_RAYS:
+        return Entering(nothing, nothing)
+    place, aside, slope = light[seen].at(scene.places[-1] + z1) - L, aside[seen], (slope - slope.mean())[seen]
+    parts = [np.ones(len(place)), slope, slope.conj(), *((aside, aside.conj()) if scene.pupil else ())]
+    basis = np.column_stack(parts)
+    fitted, *_ = np.linalg.lstsq(basis, place, rcond=None)
+    _, a, b = fitted[:3]
+    size = abs(a) ** 2 - abs(b) ** 2
+
+    def missed(places: Complexes) -> Complexes:
+        """Return the slopes that make up for places beside the point."""
+        return np.asarray((b * places.conj() - a.conjugate() * places) / size)
+
+    by_pupil = missed(basis[:, 3:] @ fitted[3:]) + aside * pupil.nearness(scene)
+    return Entering(by_pupil, missed(place - basis @ fitted))
+
+
+def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floats:
+    """Return the modulation transfer function for light of the scene's first object: 1 if sharp, 0 without contrast.
+
+    `frequencies` are in cycles per degree as the eye sees them, of stripes that are perpendicular to `direction`,
+    degrees counter-clockwise from x. The pupil and the prisms count, as the ray trace finds; the diffraction of light
+    does not. Through ideal sheets that rotate light it is 2 J1(x) / x, with x = pi * pupil * abs(1/f - 1/Z) * the
+    frequency in cycles per radian (`povgen.scene.pupil`). NaN if too little light on the designed path shows the
+    object. Raises InputError for a room.
+    """
+    light = entering(checked_axial(scene, "the modulation transfer function"))
+    turned = (light.by_pupil + light.by_prisms) * np.exp(-1j * np.radians(direction))
+    if not len(turned):
+        return np.full(np.shape(frequencies), np.nan)
+    cycles = np.asarray(frequencies, float)[..., None] * np.degrees(turned.real)
+    return np.asarray(abs(np.exp(2j * np.pi * cycles).mean(-1)))
+
+
+def _rms_arcmin(slopes: Complexes) -> float:
+    return float(np.sqrt(np.mean(abs(slopes) ** 2)) / ARCMINUTE) if len(slopes) else np.nan
+
+
+def _spread(scene: AxialScene) -> float:
+    """Return the radius of the disc in the plane z = 0 through which rays to an object are traced, tiles."""
+    pitch = max((layer.shape.pitch for sheet in scene.sheets for layer in sheet.glass), default=0.0)
+    return max(0.1, 8 * pitch)
 
 
 def _tops(scene: AxialScene) -> set[str]:
@@ -146,7 +223,23 @@ QUANTITIES = {
         lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"
     ),
     "stray": Quantity(_stray, "", "share of these rays that leave on the far side, on other paths, 0 to 1"),
-    "focus": Quantity(
+    "best_focus": Quantity(
+        lambda scene: 1 / near if (near := pupil.best_nearness(scene)) else np.inf,
+        "tiles",
+        "distance from the eye at which an eye with a pupil sees the object most sharply",
+    ),
+    "pupil_blur": Quantity(
+        lambda scene: float(pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.nearness(scene)) / ARCMINUTE),
+        "arcminutes",
+        "RMS blur of a point by the pupil, at `focus`, as the prediction says",
+    ),
+    "prism_blur": Quantity(
+        lambda scene: _rms_arcmin(entering(scene).by_prisms), "arcminutes", "RMS blur of a point by single prisms"
+    ),
+    "seen_blur": Quantity(
+        lambda scene: _rms_arcmin(sum(entering(scene))), "arcminutes", "RMS blur by both, by the ray trace"
+    ),
+    "closest": Quantity(
         lambda scene: _convergence(scene).z, "tiles", "z of the plane where the object's light is closest together"
     ),
     "spot": Quantity(lambda scene: _convergence(scene).rms, "tiles", "RMS radius of the spot of its light there"),
@@ -165,7 +258,7 @@ def parameters(scene: AxialScene) -> dict[str, object]:
             for part, each in value.items():
                 add(f"{name}_{part}", each)
         elif isinstance(value, (tuple, list)):
-            is_place = name.rpartition("_")[2] in ("eye", "line", "axis")  # axis, or window2_axis
+            is_place = name.rpartition("_")[2] in ("eye", "look", "line", "axis")  # axis, or window2_axis
             parts = "xyz" if is_place else [str(n) for n in range(1, len(value) + 1)]
             for part, each in zip(parts, value, strict=False):
                 add(f"{name}_{part}", each)

@@ -23,6 +23,7 @@ from povgen.scene.windows import several, stated_as
 from povgen.validation import Model
 
 MOST_WINDOWS, MOST_OBJECTS = 20, 100
+PLACES = ("x", "y", "z", "look_x", "look_y", "look_z")  # numbers of an eye
 # what a room's file can say of a movie: fields of `MovieSpec`
 OF_MOVIES = {"title", "frame_rate", "frames", "exact_frames", "ease", "hold", "overlay", "note", "side_view", "loop"}
 OF_MOVIES |= {"sweep"}
@@ -47,6 +48,7 @@ class Eye(Model):
         default=0,
         description="how far the eye is moved along the picture's right side, tiles; the picture's frame stays",
     )
+    above: Coordinate = Field(default=0, description="the same along its upper side")
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -67,7 +69,7 @@ class Eye(Model):
         # a picture whose eye is turned counter-clockwise has its sides turned so
         sides = np.cos(turn) * right + np.sin(turn) * up, np.cos(turn) * up - np.sin(turn) * right
         (rx, ry, rz), (ux, uy, uz) = (side.tolist() for side in sides)
-        x, y, z = (np.array(place) + self.aside * sides[0]).tolist()
+        x, y, z = (np.array(place) + self.aside * sides[0] + self.above * sides[1]).tolist()
         return Camera((x, y, z), middle, (rx, ry, rz), (ux, uy, uz), self.view)
 
 
@@ -153,8 +155,14 @@ class Room(Scene):
         eye, things = parts.pop("eye"), [*parts.values()]
         return self.replace(eye=eye, window=things[: len(self.window)], object=things[len(self.window) :])
 
-    def seen_aside(self, by: float) -> Self:
-        return self.replace(eye=self.eye.replace(aside=round(self.eye.aside + by, 12)))
+    def seen_from(self, aside: complex, moved: complex = 0) -> Self:
+        eye, camera = self.eye, self.camera
+        # the eye and the point in the picture's middle go together, so that the picture's sides do not turn
+        step = moved.real * np.array(camera.right) + moved.imag * np.array(camera.up)
+        places = {name: round(getattr(eye, name) + step[k % 3], 12) for k, name in enumerate(PLACES)}
+        way = aside - moved
+        sides = {"aside": round(eye.aside + way.real, 12), "above": round(eye.above + way.imag, 12)}
+        return self.replace(eye=eye.replace(**places, **sides))
 
     @property
     def camera(self) -> Camera:

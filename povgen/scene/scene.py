@@ -56,6 +56,14 @@ class Scene(Model):
         description="mountains (povgen's own), or a picture of the surroundings: a PNG, JPEG, WebP, TIFF, HDR or EXR "
         "file, equirectangular, whose middle is straight ahead; with background = sky",
     )
+    pupil: Annotated[float, Field(ge=0, le=5)] = Field(
+        default=0,
+        description="diameter of the eye's pupil, up to 5 tiles; 0: a point, which sees all sharply",
+    )
+    focus: Annotated[float, Field(gt=0, le=1e6)] | Literal["best"] = Field(
+        default="best",
+        description="distance at which the eye sees sharply, up to 1e6 tiles; best: where the first object is sharpest",
+    )
 
     @classmethod
     def from_file(cls, path: object) -> Self:
@@ -103,10 +111,15 @@ class Scene(Model):
         """Return a copy with other numbers of its `parts`, as {"left.alpha": 90, "eye.x": 1}. Raises InputError."""
         raise NotImplementedError
 
-    def seen_aside(self, by: float) -> Self:
-        """Return the scene for an eye that is `by` tiles further along the picture's right side.
+    @property
+    def middle(self) -> complex:
+        """The picture's middle, as positions in its plane are counted: 0, but for a preset that looks elsewhere."""
+        return 0
 
-        The rectangle that the picture shows stays. Raises InputError if the eye cannot be there.
+    def seen_from(self, aside: complex, moved: complex = 0) -> Self:
+        """Return the scene for an eye that is moved `aside` along the picture's sides: x + iy, tiles.
+
+        The rectangle that the picture shows is `moved`, tiles. Raises InputError if the eye cannot be there.
         """
         raise NotImplementedError
 

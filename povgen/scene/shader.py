@@ -17,6 +17,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.optics.rays import Opening
 from povgen.scene.laws import Text, to_live
+from povgen.scene.pupil import distance, nearness
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene
 from povgen.scene.survey import Survey, max_trace_level
@@ -89,7 +90,8 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
     if any(any(each.pose[3:]) for each in things):
         found["TURNED_OBJECTS"] = 1
     laws = any(sheet.name != "none" for sheet in scene.ideal)
-    features = {"PRISMS": scene.has_prisms, "LAWS": laws, "AXIAL": isinstance(scene, AxialScene)}
+    features = {"PRISMS": scene.has_prisms, "LAWS": laws, "PUPIL": bool(scene.pupil)}
+    features["AXIAL"] = isinstance(scene, AxialScene)
     found |= {name: 1 for name, needed in features.items() if needed}
     found |= {f"{part.upper()}_PICTURE": 1 for part in surroundings(scene)}
     return found
@@ -126,6 +128,8 @@ def uniforms(
         "viewRight": camera.right,
         "viewUp": camera.up,
         "viewHeight": camera.height,
+        "pupil": scene.pupil / 2,
+        "outOfFocus": 1 - distance(camera) * nearness(scene) if scene.pupil else 0,
         "background": BACKGROUNDS.index(scene.background),
         "frameRim": scene.rim,
         "hasFloor": floor is not None,

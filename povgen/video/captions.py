@@ -178,7 +178,7 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
             tuple(_words(scene, name).factor * x for x in row.get(name, ()))
             for scene, row in zip(scenes, rows, strict=True)
         ]
-        if len({*values}) > 1 and name in ("eye", "line"):
+        if len({*values}) > 1 and name in ("eye", "look", "line"):
             digits = _digits(values)
             found.append([_place(name, place, digits) for place in values])
         elif len({*values}) > 1:

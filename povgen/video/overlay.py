@@ -295,7 +295,7 @@ def _dot(picture: NDArray[np.uint8], place: Complexes, radius: float, colour: Co
 def _pixels(points: Complexes, scene: Scene, picture: NDArray[np.uint8]) -> Complexes:
     """Return where points of the picture's plane, in tiles, are on the picture, in pixels: x + iy, y downwards."""
     height, width, _ = picture.shape
-    tile = height / scene.camera.height
+    tile, points = height / scene.camera.height, points - scene.middle
     return np.asarray((width / 2 - 0.5 + points.real * tile) + 1j * (height / 2 - 0.5 - points.imag * tile))
 
 

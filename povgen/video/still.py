@@ -22,7 +22,7 @@ from povgen.record import MAX_FRAMES, MAX_PICTURES, PICTURES, Record, differing,
 from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
-from povgen.rendering.views import composed, views
+from povgen.rendering.views import composed, frames_of, merged, views
 from povgen.scene.files import files_in
 from povgen.scene.scene import Scene, checked_scene, checked_scenes
 from povgen.scene.scenes import input_files, pieces, with_seen_files
@@ -268,10 +268,11 @@ def picture(
     Each frame gets the overlay, the caption and the side view that `rendering` asks for. In a movie, `caption`, `shows`
     (the extent of the side view) and `said` (the legend) must be given, because they depend on all scenes of the movie.
     """
+    count = len(views(scene, rendering))
     if rendering.is_light:
-        made = composed([light.unpacked(frame, rendering.size) for frame in frames], scene, rendering)
+        made = composed(merged(frames, lambda each: light.unpacked(each, rendering.size), count), scene, rendering)
         return made if rendering.bits == 32 else light.as_16_bits(made)
-    pictures = [read_png(frame) for frame in frames]
+    pictures = merged(frames, read_png, count)
     if draws_on(scene, rendering):
         from povgen.video import overlay, side
 
@@ -291,7 +292,7 @@ def draws_on(scene: Scene, rendering: Rendering) -> bool:
 
 def _frames(scene: Scene, rendering: Rendering, quiet: bool = True) -> list[bytes]:
     with (
-        parts(scene.name, len(views(scene, rendering)), quiet) as part,
+        parts(scene.name, len(frames_of(scene, rendering)), quiet) as part,
         closing(render_all([scene], rendering, part=part)) as rendered,
     ):
         return next(rendered)

@@ -172,7 +172,7 @@ THINGS = "left, window2, knight, text1, ruler1, eye"
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('"window2.pitch"', '"windo2.pitch"', [f"allowed: wavelength, and NAME.PARAMETER of {THINGS}"]),
+        ('"window2.pitch"', '"windo2.pitch"', [f"allowed: wavelength, pupil, focus, and NAME.PARAMETER of {THINGS}"]),
         ('"window2.pitch"', '"knight.hight"', ["allowed: knight.x, knight.y, knight.z, knight.yaw, knight.pitch"]),
         ('"window2.pitch"', '"knight.color"', ["parameter = 'knight.color': cannot be swept"]),
         ("stop = 60", "stop = 4000", ["frame 3 of 3, window2.pitch = 4000: pitch = 4000.0: should be less"]),

@@ -62,18 +62,18 @@ def test_columns_of_all_kinds_of_parameters():
 
 def test_what_the_ray_trace_finds():
     scene = Chess(alpha=120, z1=2)
-    table = results([scene], "designed", "stray", "focus", "spot", progress=False)
+    table = results([scene], "designed", "stray", "closest", "spot", progress=False)
     assert table["designed"][0] == pytest.approx(survey.survey(scene).designed, abs=0.03)
     assert 0.2 < table["stray"][0] < 1 - table["designed"][0]
-    ideal = results([scene.replace(sheet="ideal")], "focus", "spot", "designed", progress=False)
+    ideal = results([scene.replace(sheet="ideal")], "closest", "spot", "designed", progress=False)
     W = series.image_depth(2, np.radians(120))
-    assert ideal["focus"][0] == pytest.approx(W.real) and ideal["designed"][0] > 0.9
-    assert table["focus"][0] == pytest.approx(W.real, abs=0.1)
+    assert ideal["closest"][0] == pytest.approx(W.real) and ideal["designed"][0] > 0.9
+    assert table["closest"][0] == pytest.approx(W.real, abs=0.1)
     assert 0.5 < table["spot"][0] / ideal["spot"][0] < 1  # the designed path has smaller angles
     black = results([scene.replace(tops="black")], "stray", progress=False)
     assert black["stray"][0] < 0.5 * table["stray"][0]
     dark = Chess(sheet="law", law="x, y, -z")
-    assert np.isnan(results([dark], "focus", progress=False)["focus"][0])
+    assert np.isnan(results([dark], "closest", progress=False)["closest"][0])
 
 
 @pytest.fixture

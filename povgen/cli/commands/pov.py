@@ -44,6 +44,8 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     warn(options.stated(made, values), [made])
     for outline in made.outlines:
         say(f"povgen: warning: {outline} = true: no effect in a .pov file; povgen draws it on the rendered picture")
+    if made.pupil:
+        say(f"povgen: warning: pupil = {made.pupil:g}: a .pov file shows what its middle sees")
     if output is None:
         print(text, end="")
     else:

@@ -1,0 +1,108 @@
+"""An eye with a pupil: where in the pupil it looks from, at which distance it is sharp, and how much it blurs.
+
+Light of a point enters the pupil in directions that change linearly with the place in the pupil, x + iy: the change of
+slope is A times the change of place, a matrix (2, 2) whose unit is 1 / tile. A point at the distance d has A = -1/d. An
+eye that is focused at the distance f adds 1/f. Behind a sheet that rotates light by alpha, A is the rotation and
+scaling by -1/Z, where Z = z2 + exp(i alpha) z1 is the complex depth of docs/beyond.md. No f makes A + 1/f zero, unless
+Z is real.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from povgen.optics.equations import Complexes, Floats
+from povgen.optics.rays import Bundle
+from povgen.scene.camera import Camera
+from povgen.scene.scene import Scene, object_images, paths
+
+# Steps of numbers between 0 and 1 that fill a square evenly, however many they are: powers of the root of x^5 = x + 1
+# (Roberts, 2018). view.glsl has the same.
+STEPS = 0.8566748838545029, 0.733891856627126
+_STEP = 1e-4  # of places and slopes, for derivatives
+
+
+def places(count: int) -> Complexes:
+    """Return places in a pupil of radius 1, x + iy. The first one is its middle."""
+    radius, turn = (np.arange(count) * step % 1 for step in STEPS)
+    return np.asarray(np.sqrt(radius) * np.exp(2j * np.pi * turn))
+
+
+def nearness(scene: Scene) -> float:
+    """Return 1 / the distance at which the scene's eye is sharp, 1 / tile: 0 for infinity.
+
+    The distance is along the normal of the picture's plane. Where there is no best one, it is that of this plane.
+    """
+    found = best_nearness(scene) if scene.focus == "best" else 1 / scene.focus
+    return found if np.isfinite(found) else 1 / distance(scene.camera)
+
+
+def best_nearness(scene: Scene) -> float:
+    """Return 1 / the distance that blurs the scene's first object least, 1 / tile; NaN if it has no image.
+
+    An eye cannot focus on light that runs together before it enters the eye: the best distance is then infinity, 0.
+    """
+    return float(np.maximum(0, -np.trace(light_of_object(scene)) / 2))
+
+
+def distance(camera: Camera) -> float:
+    """Return the distance of the eye from the picture's plane, tiles."""
+    return float(np.subtract(camera.middle, camera.eye) @ np.cross(camera.right, camera.up))
+
+
+def rms(change: ArrayLike, pupil: float, nearness: ArrayLike) -> Floats:
+    """Return the RMS angle by which a pupil of this diameter, tiles, blurs a point, radians.
+
+    `change` (..., 2, 2) is A, and `nearness` is 1 / the distance at which the eye is sharp. For small angles.
+    """
+    off = np.asarray(change) + np.asarray(nearness)[..., None, None] * np.eye(2)
+    return np.asarray(pupil / 4 * np.sqrt((off**2).sum((-2, -1))))
+
+
+@lru_cache(maxsize=256)  # a movie's frames ask several times
+def light_of_object(scene: Scene) -> Floats:
+    """Return A (2, 2) of the light of the scene's first object that has an image, by its first image. NaN if none has.
+
+    The path is that of `optics.paths`: prisms and lenses count by their designed light.
+    """
+    seen = next(((each.point, images[0]) for each, images in object_images(scene) if images), None)
+    if seen is None:
+        return np.full((2, 2), np.nan)
+    point, image = seen
+    camera, far = scene.camera, distance(scene.camera)
+    sides = np.array((camera.right, camera.up))
+    # rays beside the one to the eye: other places in the pupil, and other slopes
+    x, y, sx, sy = np.vstack((np.zeros(4), _STEP * np.eye(4), -_STEP * np.eye(4))).T
+    start = camera.eye + np.stack((x, y), -1) @ sides
+    through = image.position - camera_offset(camera) + (sx + 1j * sy) * far
+    slope = np.stack((through.real, through.imag), -1) / far @ sides + np.cross(*sides)
+    legs = paths(scene).walk(Bundle(start, slope), len(image.windows))
+    leg = legs[len(image.windows)]
+    # where they cross a plane through the object, perpendicular to the middle ray
+    normal = leg.direction[0]
+    part = (np.asarray(point) - leg.start) @ normal / (leg.direction @ normal)
+    end = leg.start + part[:, None] * leg.direction
+    across = (end[1:5] - end[5:]) / (2 * _STEP)  # by x, y, sx and sy
+    by_place, by_slope = across[:2].T, across[2:].T
+    if not np.isfinite(across).all():
+        return np.full((2, 2), np.nan)
+    return np.asarray(-np.linalg.pinv(by_slope) @ by_place)
+
+
+def camera_offset(camera: Camera) -> complex:
+    """Return the place in the picture's plane, from its middle, that is straight before the eye."""
+    ahead = np.subtract(camera.eye, camera.middle)
+    return complex(ahead @ camera.right, ahead @ camera.up)
+
+
+def eyes(scene: Scene, jitter: ArrayLike, pixel: float) -> list[Scene]:
+    """Return the scene for eyes that are points, one for each place in the pupil. The picture is their light's mean.
+
+    Each of the pictures is moved by `jitter` (n,), x + iy in pixels, to the right and up. A pixel's side is in tiles.
+    """
+    if not scene.pupil:
+        return [scene]
+    aside = scene.pupil / 2 * places(len(np.atleast_1d(jitter)))
+    moved = aside * (1 - distance(scene.camera) * nearness(scene)) + pixel * np.asarray(jitter)
+    return [scene.seen_from(complex(place), complex(step)) for place, step in zip(aside, moved, strict=True)]

@@ -1,0 +1,78 @@
+"""An eye with a pupil: where its rays start, what it blurs, and at which distance it is sharp."""
+
+from math import factorial
+
+import numpy as np
+import pytest
+
+from povgen import Chess, Eye, Piece, Room, Sphere, Spheres, Window, mtf, results
+from povgen.optics import equations
+from povgen.scene import pupil
+
+ARCMINUTE = np.radians(1 / 60)
+METRE = {"z1": 10, "z2": 10, "alpha": 90}  # tiles of 10 cm
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(pupil=0.4, focus=9, eye=(0.5, 0.2), look=(-0.4, 0.3)),
+        Room([Sphere(z=3)], pupil=0.4, focus=9, eye=Eye(x=3, y=2, z=-7, look_y=1, look_z=2, roll=30, aside=0.5)),
+    ],
+)
+def test_what_is_at_the_distance_of_the_focus_does_not_move_with_the_eye(scene):
+    camera = scene.camera
+    sides, normal = np.array((camera.right, camera.up)), np.cross(camera.right, camera.up)
+    point = np.array(camera.eye) + 9 * normal + (0.7, -1.1) @ sides
+    eyes = pupil.eyes(scene, np.zeros(9), 0.01)
+    assert np.ptp([complex(eye.camera.position(point)) for eye in eyes]) < 1e-9
+    places = np.array([np.subtract(eye.camera.eye, camera.eye) for eye in eyes])
+    assert abs(places @ normal).max() < 1e-9 and 0.15 < np.linalg.norm(places, axis=1).max() <= 0.2
+    moved = pupil.eyes(scene, [1 + 2j], 0.01)[0].camera.position(point) - camera.position(point)
+    assert moved == pytest.approx(-0.01 - 0.02j)
+
+
+@pytest.mark.parametrize("values", [METRE, {"z1": 2, "alpha": 30, "eye": (1, 0.5)}, {"window": "z=2,alpha=70"}])
+def test_a_rotating_sheet_blurs_by_the_closed_form(values):
+    scene = Chess(sheet="ideal", pupil=0.04, **values)
+    # docs/beyond.md: Z = z2 + exp(i alpha) ((z of the second window) + exp(i alpha2) z1)
+    Z = complex(equations.depth(scene.distances[0], scene.z2, np.radians(scene.alpha), scene.behind))
+    table = results([scene, scene.replace(focus=3)], "best_focus", "pupil_blur", "seen_blur", progress=False)
+    assert table["best_focus"] == pytest.approx(1 / (1 / Z).real)
+    expected = 0.04 / 8**0.5 * np.array([abs((1 / Z).imag), abs(1 / Z - 1 / 3)]) / ARCMINUTE
+    assert table["pupil_blur"] == pytest.approx(expected)
+    assert table["seen_blur"] == pytest.approx(expected, rel=0.01)
+
+
+def test_prisms_and_pupil_blur_together():
+    table = results([Chess(prisms=400, pupil=0.04, **METRE)], "pupil_blur", "prism_blur", "seen_blur", progress=False)
+    assert table["prism_blur"] == pytest.approx(1.31, abs=0.02)
+    assert table["seen_blur"] == pytest.approx(np.hypot(table["pupil_blur"], table["prism_blur"]), rel=0.05)
+
+
+def test_at_0_and_180_degrees_things_can_be_in_focus_and_a_real_image_before_the_eye_too():
+    scenes = [Spheres(sheet="ideal", alpha=alpha, z1=2, z2=6, pupil=0.2) for alpha in (0, 180)]
+    table = results(scenes, "best_focus", "pupil_blur", progress=False)
+    assert table["best_focus"] == pytest.approx([8, 4]) and table["pupil_blur"] == pytest.approx([0, 0], abs=1e-6)
+    behind = Spheres(
+        sheet="ideal", alpha=180, z1=9, line=(-0.2, 0), z2=6, pupil=0.2
+    )  # light that runs together behind the eye
+    assert results([behind], "best_focus", progress=False)["best_focus"] == [np.inf]
+    at_pole = Spheres(sheet="ideal", alpha=180, z1=6, z2=6, pupil=0.2)
+    assert np.isnan(results([at_pole], "best_focus", "seen_blur", progress=False)["best_focus"])
+
+
+def test_a_room_is_focused_on_its_first_object_that_is_seen():
+    window, far = Window(alpha=90), Piece(z=2, y=-0.5)
+    preset, room = Chess(sheet="ideal", alpha=90), Room([window, Sphere(x=99, z=-20), far])
+    assert pupil.best_nearness(room) == pytest.approx(pupil.best_nearness(preset))
+    assert pupil.nearness(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
+
+
+def test_mtf_is_that_of_a_disc():
+    """2 J1(x) / x, by its series: the pupil is a disc, and the blur through a rotating sheet is one, too."""
+    scene, frequencies = Chess(sheet="ideal", pupil=0.04, **METRE), np.array([0, 2, 5, 9.0])
+    x = np.pi * 0.04 * abs((1 / (10 + 10j)).imag) * np.degrees(frequencies)
+    disc = sum((-1) ** k / (factorial(k) * factorial(k + 1)) * (x / 2) ** (2 * k) for k in range(30))
+    for direction in (0, 30):
+        assert mtf(scene, frequencies, direction) == pytest.approx(abs(disc), abs=0.02)
