@@ -19,9 +19,11 @@ from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, tar
 from povgen.measure.verify import PROFILES
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.light import Picture
+from povgen.rendering.results import results
 from povgen.scene import camera
 from povgen.scene.scenes import AxialScene, Chess, Spheres
 from povgen.scene.sdl import to_pov
+from povgen.settings import PUPIL_RAYS
 from povgen.video.still import render
 
 PICTURE = (320, 240)  # pictures are compared at this size
@@ -74,6 +76,7 @@ def checks() -> Iterator[Measured]:
     for sheet in ("none", "ideal", "detailed"):
         yield from pictures(sheet, [scene.replace(sheet=sheet) for scene in SCENES])
     yield from pictures("other ideal sheets", OTHER_SCENES)
+    yield from pupils()
     yield from verify_rooms.checks()
     yield from costs()
 
@@ -149,6 +152,24 @@ def pictures(
     yield Measured("gl", f"pixels that show the same as POV-Ray's: {what}", np.min(same), 99.5, "%", least=True)
     where = "in the window, " if detailed else ""
     yield Measured("gl", f"mean FLIP against POV-Ray's converged picture: {where}{what}", np.max(difference), most)
+
+
+def pupils(size: Size = (160, 120)) -> Iterator[Measured]:
+    """Compare the blur of a pupil with that of the formulas, and pictures through it with POV-Ray's."""
+    scenes = [
+        Chess(sheet="ideal", alpha=90, z1=10, z2=10, pupil=0.04),
+        Chess(sheet="ideal", alpha=50, window=[{"z": 1.5, "alpha": -120}], z1=3, pupil=0.3, focus=5),
+        Chess(alpha=90, pupil=0.3, focus=7.5),
+    ]
+    table = results(scenes[:2], "pupil_blur", "seen_blur", progress=False)
+    off = abs(table["seen_blur"] / table["pupil_blur"] - 1).max()
+    yield Measured("gl", "blur by the pupil, ideal: the ray trace against 1/f - 1/Z, worst of 2", 100 * off, 1, "%")
+    same = [
+        (abs(OpenGLView(scene).picture(size, PUPIL_RAYS).astype(int) - picture).max(-1) < SAME).mean()
+        for scene, picture in zip(scenes, rendered(scenes, size), strict=True)
+    ]
+    what = f"pixels like POV-Ray's through a pupil, worst of {len(scenes)} scenes"
+    yield Measured("gl", what, 100 * min(same), 99, "%", least=True)
 
 
 def shows_the_same(view: OpenGLView, scene: AxialScene, size: Size) -> Mask:

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.optics.equations import Complexes, Floats
-from povgen.optics.rays import Bundle
 from povgen.scene.camera import Camera
-from povgen.scene.scene import Scene, object_images, paths
+from povgen.scene.scene import Scene, paths
 
 # Steps of numbers between 0 and 1 that fill a square evenly, however many they are: powers of the root of x^5 = x + 1
 # (Roberts, 2018). view.glsl has the same.
@@ -62,35 +61,31 @@ def rms(change: ArrayLike, pupil: float, nearness: ArrayLike) -> Floats:
 
 @lru_cache(maxsize=256)  # a movie's frames ask several times
 def light_of_object(scene: Scene) -> Floats:
-    """Return A (2, 2) of the light of the scene's first object that has an image, by its first image. NaN if none has.
+    """Return A (2, 2) of the light of the scene's first object that has an image (`Scene.first_image`), else NaN.
 
-    The path is that of `optics.paths`: prisms and lenses count by their designed light.
+    Prisms and lenses count by their designed light. Frames hide nothing.
     """
-    seen = next(((each.point, images[0]) for each, images in object_images(scene) if images), None)
-    if seen is None:
-        return np.full((2, 2), np.nan)
-    point, image = seen
-    camera, far = scene.camera, distance(scene.camera)
+    seen, nothing = scene.first_image, np.full((2, 2), np.nan)
+    if seen is None or not np.isfinite(seen[1]):
+        return nothing
+    point, position, names = seen
+    camera, far, every = scene.camera, distance(scene.camera), paths(scene)
     sides = np.array((camera.right, camera.up))
     # rays beside the one to the eye: other places in the pupil, and other slopes
     x, y, sx, sy = np.vstack((np.zeros(4), _STEP * np.eye(4), -_STEP * np.eye(4))).T
     start = camera.eye + np.stack((x, y), -1) @ sides
-    through = image.position - camera_offset(camera) + (sx + 1j * sy) * far
-    slope = np.stack((through.real, through.imag), -1) / far @ sides + np.cross(*sides)
-    legs = paths(scene).walk(Bundle(start, slope), len(image.windows))
-    leg = legs[len(image.windows)]
+    middle = (position - _before(camera)) / far
+    way = np.stack((middle.real + sx, middle.imag + sy), -1) @ sides + np.cross(*sides)
+    for name in names:
+        start, way = every.cross(every.names.index(name), start, way, framed=False)
     # where they cross a plane through the object, perpendicular to the middle ray
-    normal = leg.direction[0]
-    part = (np.asarray(point) - leg.start) @ normal / (leg.direction @ normal)
-    end = leg.start + part[:, None] * leg.direction
-    across = (end[1:5] - end[5:]) / (2 * _STEP)  # by x, y, sx and sy
-    by_place, by_slope = across[:2].T, across[2:].T
-    if not np.isfinite(across).all():
-        return np.full((2, 2), np.nan)
-    return np.asarray(-np.linalg.pinv(by_slope) @ by_place)
+    part = (np.asarray(point) - start) @ way[0] / (way @ way[0])
+    end = start + part[:, None] * way
+    across = (end[1:5] - end[5:]).T / (2 * _STEP)  # (3, 4): by x, y, sx and sy
+    return np.asarray(-np.linalg.pinv(across[:, 2:]) @ across[:, :2]) if np.isfinite(across).all() else nothing
 
 
-def camera_offset(camera: Camera) -> complex:
+def _before(camera: Camera) -> complex:
     """Return the place in the picture's plane, from its middle, that is straight before the eye."""
     ahead = np.subtract(camera.eye, camera.middle)
     return complex(ahead @ camera.right, ahead @ camera.up)

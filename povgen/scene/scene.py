@@ -177,6 +177,15 @@ class Scene(Model):
         return paths(self).images(place)[0]
 
     @property
+    def first_image(self) -> tuple[Sequence[float], complex, Sequence[str]] | None:
+        """The point of the first object that has an image, where the eye sees it first, and through which windows.
+
+        The position is in the picture's plane, x + iy from the picture's middle, tiles.
+        """
+        seen = ((each.point, images[0]) for each, images in object_images(self) if images and each.point is not None)
+        return next(((tuple(point), image.position, image.windows) for point, image in seen), None)
+
+    @property
     def tile(self) -> int:
         """POV-Ray's units per tile."""
         return limits.units_per_tile(min((sheet.pitch for sheet in self.layered), default=1))
