@@ -32,8 +32,8 @@ export function defines(scene, { names, grid }) {
     ...(things.some(isTurned) && { TURNED_OBJECTS: 1 }),
     ...(all.some(hasPrisms) && { PRISMS: 1 }),
     ...(all.some((window) => kind(window) >= 0) && { LAWS: 1 }),
-    ...(!scene.objects && { AXIAL: 1 }),
     ...(scene.pupil && { PUPIL: 1 }),
+    ...(!scene.objects && { AXIAL: 1 }),
     ...Object.fromEntries(Object.keys(surroundings).map((part) => [`${part.toUpperCase()}_PICTURE`, 1])),
   };
   return Object.entries(kinds).map(([key, value]) => `#define ${key} ${value}\n`).join("");
@@ -56,7 +56,7 @@ export function uniforms(scene, { names, places }) {
     viewUp: up,
     viewHeight: height,
     pupil: scene.pupil / 2,
-    outOfFocus: 1 - scene.nearness * distance(camera(scene)),
+    outOfFocus: scene.pupil ? 1 - scene.nearness * distance(camera(scene)) : 0,
     background: BACKGROUNDS[scene.background],
     frameRim: scene.rim,
     hasFloor: ground !== null,

@@ -297,9 +297,11 @@ def rooms(path):
                 Window(sheet="detailed", prisms=20, width=2, height=1, tops="black", glass="BK7", y=3),
                 Window(sheet="none", y=-3),
             ],
-            eye=Eye(x=0.1, y=30, z=0.2, look_z=0.2, look_x=0.1, view=7),
+            eye=Eye(x=0.1, y=30, z=0.2, look_z=0.2, look_x=0.1, view=7, above=0.4),
             background="white",
             wavelength=500,
+            pupil=0.1,
+            focus=20,
         ),
     ]
 
@@ -311,7 +313,17 @@ def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
     scenes = [
         Chess(),
         Chess(piece=("queen", "king", "queen"), x=(-1, 0, 1), z1=(2, 3, 4), color=("red", "#123456", "white")),
-        Chess(sheet="single", tops="black", prisms=7, gap=0.2, aspect=1.1, eye=(0.5, 0.2), pedestal=0),
+        Chess(
+            sheet="single",
+            tops="black",
+            prisms=7,
+            gap=0.2,
+            aspect=1.1,
+            eye=(0.5, 0.2),
+            pedestal=0,
+            pupil=0.2,
+            look=(0.3, -0.1),
+        ),
         Chess(sky=picture(tmp_path), floor=f"{picture(tmp_path)},width=3"),
         Chess(sheet="axis", axis=(0.3, 1, 0.2), alpha=15, window="alpha=30,z=4,sheet=detailed"),
         Chess(sheet="law", z2=9, **own),

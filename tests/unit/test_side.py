@@ -146,7 +146,7 @@ def test_a_turned_window_is_to_scale_and_a_movie_keeps_its_scale():
 
 
 def test_scenes_of_several_kinds_have_one_scale_and_what_is_far_is_left_out():
-    movie = [Chess(alpha=180), ROOM, ROOM.seen_aside(0.5)]
+    movie = [Chess(alpha=180), ROOM, ROOM.seen_from(0.5)]
     strips = [side.side_view(scene, *SIZE, side.extent(movie, 0.5)) for scene in movie]
     assert strips[0].shape == strips[1].shape and (strips[1] != strips[2]).any()
     has = [[(strip == colour).all(-1).any() for colour in (side.SHEET, side.IMAGE, side.RAY)] for strip in strips]
