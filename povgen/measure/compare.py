@@ -64,28 +64,11 @@ def directions(scenes: Sequence[Directions], size: Size) -> Numbers:
     """Return the greatest angle, radians, between what a pixel shows and the direction that ideal windows rotate."""
     worst = []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
-        inside, direction = camera.rays(scene, size)
-        through, turned = _through_ideal(scene, direction)
-        off = np.linalg.norm(unit(decoded[inside][through]) - turned[through], axis=1)
+        rays = window_rays(scene, size)
+        through = rays.traced.end == End.THROUGH
+        off = np.linalg.norm(unit(decoded[rays.inside][through]) - rays.traced.direction[through], axis=1)
         worst.append(np.nan_to_num(off, nan=np.inf).max())
     return (np.max(worst),)
-
-
-def _through_ideal(scene: AxialScene, direction: Floats) -> tuple[Mask, Floats]:
-    """Return which of the eye's rays pass all windows and their frames, and their directions behind the windows.
-
-    `direction` is (n, 3), and the results are (n,) and (n, 3). Rays within 1e-6 tiles of an edge do not pass.
-    """
-    slope = (direction[:, 0] + 1j * direction[:, 1]) / direction[:, 2]
-    at, z, through, half = scene.E + scene.z2 * slope, 0.0, np.ones(len(slope), bool), scene.aperture / 2 - 1e-6
-    for place, alpha in zip(scene.places, scene.alphas, strict=True):
-        at = at + (place - z) * slope
-        before, after = slope, slope * np.exp(-1j * radians(alpha))
-        for point in (at - scene.depth / 2 * before, at, at + scene.depth / 2 * after):
-            through &= np.maximum(abs(point.real), abs(point.imag)) < half
-        slope, z = after, place
-    turned = np.column_stack((slope.real, slope.imag, np.ones(len(slope))))
-    return through, unit(turned)
 
 
 def pieces(scenes: Sequence[PiecePositions], size: Size) -> Numbers:

@@ -186,7 +186,8 @@ def _seen(scenes: list[AxialScene], workers: int | None, scheduler: str | None) 
 def _change(scene: AxialScene, before: Seen, after: Seen) -> Change:
     """Return how differently an object appears."""
     (x, y, nu, M, _), (x1, y1, nu1, M1, _) = before, after
-    angle = 2 * np.arcsin(np.linalg.norm(_direction(scene, x1 + 1j * y1) - _direction(scene, x + 1j * y), axis=-1) / 2)
+    there, here = (scene.camera.through(position).direction for position in (x1 + 1j * y1, x + 1j * y))
+    angle = 2 * np.arcsin(np.linalg.norm(there - here, axis=-1) / 2)
     blurred = _blur_angle(scene, after) - _blur_angle(scene, before)
     return Change(angle / ARCMINUTE, (nu1 - nu + 180) % 360 - 180, 100 * (M1 / M - 1), blurred / ARCMINUTE)
 
@@ -201,10 +202,3 @@ def _blur_angle(scene: AxialScene, seen: Seen) -> Floats:
     x, y, _, _, blur = seen
     square = scene.z2**2 + abs(x + 1j * y - scene.E) ** 2
     return np.asarray(blur * np.sqrt((1 / square + scene.z2**2 / square**2) / 2))
-
-
-def _direction(scene: AxialScene, position: NDArray[np.complex128]) -> Floats:
-    """Return unit vectors from the eye to positions in the plane z = 0."""
-    step = position - scene.E
-    vectors = np.stack((step.real, step.imag, np.full(step.shape, float(scene.z2))), -1)
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

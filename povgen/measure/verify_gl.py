@@ -17,6 +17,7 @@ from povgen.measure.probes import Directions, Mask, Positions, Size
 from povgen.measure.speed import drawn_sample, picture_error, sample
 from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
 from povgen.measure.verify import PROFILES
+from povgen.measure.verify_rooms import SAME, SHADOW_RAYS, SKY, WINDOW_FRAME
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.light import Picture
 from povgen.rendering.results import results
@@ -28,9 +29,6 @@ from povgen.video.still import render
 
 PICTURE = (320, 240)  # pictures are compared at this size
 RAYS = 64  # a pixel: `PACE.RAYS` in povgen/liveview/scheduling.js
-SHADOW_RAYS = 13  # through the same point, for soft shadows: each ray tests whether one of the sun's lights is hidden
-SAME = 15  # of 255: two pixels of floor or frame whose colours differ by less show the same
-SKY, WINDOW_FRAME = 0, 2  # povgen/liveview/windows.glsl: the frames' numbers, then those of the objects
 PRISM_SCENES: tuple[dict[str, Any], ...] = (
     {},
     {"alpha": 35, "prisms": 400},

@@ -12,7 +12,8 @@ from povgen.measure.browser import View, chromium
 from povgen.measure.measured import Measured
 from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Size
-from povgen.measure.verify_gl import RAYS, SHADOW_RAYS
+from povgen.measure.verify_gl import RAYS
+from povgen.measure.verify_rooms import SHADOW_RAYS
 from povgen.rendering.flip import flip
 from povgen.scene.scenes import AxialScene, Chess, Spheres
 

@@ -20,7 +20,7 @@ from povgen.optics.trace import End
 from povgen.scene.room import Eye, Room
 from povgen.video.still import render
 
-SKY = 0  # povgen/liveview/windows.glsl
+SKY, WINDOW_FRAME = 0, 2  # povgen/liveview/windows.glsl: the frames' numbers, then those of the objects
 SAME = 15  # of 255: two pixels whose colours differ by less show the same
 SIZE = (160, 120)
 SHADOW_RAYS = 13  # through the same point, for soft shadows: each ray tests whether one of the sun's lights is hidden

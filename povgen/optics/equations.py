@@ -34,43 +34,11 @@ ROUNDING = 1e-14
 LARGEST_ANGLE = 10 * np.pi
 
 
-def p1(z1: ArrayLike, theta: ArrayLike) -> Floats:
-    """Return eq. 1: the distance between L and P in projection onto the sheet.
-
-    theta is the angle between the ray and the sheet's normal.
-    """
-    return real("z1", z1, 0) * np.tan(radians("theta", theta))
-
-
-def p2(z2: ArrayLike, theta: ArrayLike) -> Floats:
-    """Return eq. 2: the distance between P and E in projection onto the sheet. The sheet does not change theta."""
-    return real("z2", z2, 0) * np.tan(radians("theta", theta))
-
-
 def r(z1: ArrayLike, z2: ArrayLike) -> Floats:
-    """Return eq. 3: the ratio of distances z2/z1 = p2/p1. It is infinite for z1 = 0, and NaN if z2 = 0 as well."""
+    """Return eq. 3: the ratio of distances z2/z1. It is infinite for z1 = 0, and NaN if z2 = 0 as well."""
     z1, z2 = real("z1", z1, 0), real("z2", z2, 0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.divide(z2, z1)
-
-
-def r_from_P(P: ArrayLike, L: ArrayLike = 0, E: ArrayLike = 1) -> Floats:
-    """Return eq. 4: |E - P|/|P - L|, the r at which light from L to E crosses the sheet at P, and 1 for infinite P."""
-    P, L, E = doubles(P, L, E)
-    infinite = np.isinf(P)
-    P = np.where(infinite, 0, P)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(infinite, 1, np.divide(np.abs(np.subtract(E, P)), np.abs(np.subtract(P, L))))[()]
-
-
-def E_minus_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
-    """Return eq. 5: r exp(i alpha) P, the projection of the ray from P to E onto the sheet. P and r are finite."""
-    return np.multiply(real("r", r, 0), np.multiply(np.exp(1j * radians("alpha", alpha)), P))
-
-
-def E_from_P(P: ArrayLike, r: ArrayLike, alpha: ArrayLike) -> Complexes:
-    """Return eq. 6: P (1 + r exp(i alpha)), where the ray through P meets the eye's plane. P and r are finite."""
-    return np.multiply(P, _sum(1.0, real("r", r, 0), radians("alpha", alpha)))
 
 
 def P(r: ArrayLike, alpha: ArrayLike) -> Complexes:

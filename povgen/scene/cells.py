@@ -222,7 +222,7 @@ def _behind_points(scene: AxialScene, P: Complexes) -> tuple[Complexes, Floats]:
     direction = np.stack(np.broadcast_arrays(view.real, view.imag, scene.z2), -1)
     place = scene.E + 0 * P
     with np.errstate(invalid="ignore", divide="ignore"):
-        for window, sheet in zip(scene.windows, scene.ideal, strict=False):
-            place = place + (window.z - z) * (direction[..., 0] + 1j * direction[..., 1]) / direction[..., 2]
-            direction, z = sheet.bend(direction, place), window.z
+        for there, sheet in zip(scene.places, scene.ideal, strict=False):
+            place = place + (there - z) * (direction[..., 0] + 1j * direction[..., 1]) / direction[..., 2]
+            direction, z = sheet.bend(direction, place), there
         return place, direction

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene
-from povgen.scene.windows import Placed
 from povgen.sheets import IDEAL
 from povgen.sheets.law_grammar import FUNCTIONS, Law
 from povgen.sheets.own import OwnLaw
@@ -33,15 +32,15 @@ class Functions(NamedTuple):
 def to_pov(scene: AxialScene) -> list[Functions]:
     """Return the laws of a scene's ideal windows, as functions of POV-Ray of x, y, z, X and Y (`sheets.law_grammar`).
 
+    Windows of glass stand behind them.
+
     In the names of parameters, each word has a capital letter: Alpha, FocalLength, AxisX. For window 2 they end with
     _2. The parameters of a user's own law are Own_NAME, and for window 2 Own2_NAME.
     """
-    return [_functions(number, window) for number, window in enumerate(scene.windows[: len(scene.ideal)], 1)]
+    return [_functions(number, sheet) for number, sheet in enumerate(scene.ideal, 1)]
 
 
-def _functions(number: int, window: Placed) -> Functions:
-    sheet = window.sheet
-    assert isinstance(sheet, Ideal)  # `AxialScene` allows windows of glass only behind ideal ones
+def _functions(number: int, sheet: Ideal) -> Functions:
     suffix, where = (f"_{number}", f" of window {number}") if number > 1 else ("", "")
     names: dict[str, str] = {}
     lines = []

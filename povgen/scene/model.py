@@ -21,14 +21,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.rays import Opening
 from povgen.scene.camera import Camera
 from povgen.scene.scene import Scene
-from povgen.scene.windows import (
-    WINDOW,
-    FurtherWindow,
-    Placed,
-    Windows,
-    as_windows,
-    replaced_by,
-)
+from povgen.scene.windows import WINDOW, FurtherWindow, Windows, as_windows, replaced_by
 from povgen.sheets import SHEETS
 from povgen.sheets.prisms import SHAPE, shape_of
 from povgen.sheets.sheet import Sheet
@@ -93,19 +86,14 @@ class EyeAndWindows(Scene, ParametersOfSheets):
         return {name: getattr(self, name) if (own := getattr(window, name)) is None else own for name in names}
 
     @cached_property
-    def windows(self) -> tuple[Placed, ...]:
-        """The windows, the nearest to the eye first, each with its sheet."""
+    def sheets(self) -> tuple[Sheet, ...]:
+        """The sheet in each window, that of the window nearest to the eye first."""
 
         def sheet(window: EyeAndWindows | FurtherWindow) -> Sheet:
             kind = SHEETS[window.sheet or self.sheet]
             return kind(self.values_of(window, [each.name for each in kind.parameters]), self.aperture)
 
-        return (Placed(0.0, sheet(self)), *(Placed(window.z, sheet(window)) for window in self.window))
-
-    @property
-    def sheets(self) -> tuple[Sheet, ...]:
-        """The sheets in each window, the first window first."""
-        return tuple(window.sheet for window in self.windows)
+        return tuple(map(sheet, self.parameter_sets))
 
     @property
     def rotates(self) -> bool:
@@ -120,7 +108,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     @property
     def places(self) -> tuple[float, ...]:
         """z of each window, midway between its sheets, tiles."""
-        return tuple(window.z for window in self.windows)
+        return (0.0, *(window.z for window in self.window))
 
     @property
     def behind(self) -> tuple[tuple[float, float], ...]:
@@ -151,7 +139,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     @property
     def openings(self) -> list[Opening]:
         """The windows as in `optics.rays`."""
-        return [Opening(Pose(z=z), sheet, self.depth) for z, sheet in self.windows]
+        return [Opening(Pose(z=z), sheet, self.depth) for z, sheet in zip(self.places, self.sheets, strict=True)]
 
     @property
     def depth(self) -> float:

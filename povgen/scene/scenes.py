@@ -113,7 +113,7 @@ class AxialScene(Predicted):
     def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None) -> Traced:
         """Follow rays as `Scene.trace` does. Rays that do not pass every window end as `End.BESIDE`."""
         found = super().trace(rays, max_faces, partial)
-        passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(self.windows))
+        passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(self.sheets))
         found.end[(found.end <= End.BACK) & ~passed] = End.BESIDE
         found.designed &= found.end == End.THROUGH
         return found

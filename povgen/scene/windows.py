@@ -1,12 +1,11 @@
 """The windows behind the first one of `Chess` and `Spheres`. One can be given as text: `z=2,sheet=mirror`."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
 from povgen.objects.sheet_fields import TABLES, FurtherParameters, SheetName
-from povgen.sheets.sheet import Sheet
 from povgen.validation import Model
 
 MAX_WINDOWS = 5
@@ -44,13 +43,6 @@ def replaced_by(changes: Mapping[str, object], windows: Iterable[FurtherWindow] 
     if glass is None and changes.get("index") is None:
         return set()
     return {"glass"} if any(map(has_glass, windows)) else {"glass", "wavelength", "design_wavelength"}
-
-
-class Placed(NamedTuple):
-    """A window: where it is, and the sheet in it."""
-
-    z: float  # of its middle plane, tiles behind that of the first window; of a pair, a sheet is on each side of it
-    sheet: Sheet
 
 
 def window_table(value: object) -> object:

@@ -108,7 +108,16 @@ def test_parameters_name_their_unit():
 # within other parts, whose name a line of theirs is told by
 WITHIN = {
     f"{name}.pov.j2"
-    for name in ("header", "command", "glass", "frame_section", "frame_side", "prism_shape", "prism_sheet")
+    for name in (
+        "header",
+        "command",
+        "glass",
+        "frame_section",
+        "frame_side",
+        "prism_pair",
+        "prism_shape",
+        "prism_sheet",
+    )
 }
 
 
@@ -173,7 +182,7 @@ def test_windows_of_equal_prisms_with_another_alpha_have_their_shapes():
     """They stand before a window of other prisms, or of lenses."""
     for last in ({"prisms": 50}, {"sheet": "lenticular"}):
         text = to_pov(Chess(z1=8, z2=10, window=[{"z": 2, "alpha": 120}, {"z": 4, **last}]))
-        assert text.count("  { 100, 1.5, 45, 1, 0.01, 0, 2 }") == 2
+        assert text.count("Shape(Window, 100, 1.5, 45, 1, 0.01, 0)") == 2
 
 
 OBJECTS = "box|cone|cylinder|difference|light_source|mesh|object|plane|sky_sphere|sphere|union"

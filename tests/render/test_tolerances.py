@@ -208,8 +208,8 @@ def test_a_blur_is_an_angle_at_the_eye(aside):
     scene = Chess(eye=(aside, aside), z2=6)
     place, seen = np.array([-0.5 + 0.2j]), np.array([[-0.5], [0.2], [0], [1], [1e-3]])
     step = np.exp(2j * np.pi * np.arange(360) / 360)
-    cloud = tolerance._direction(scene, place + 1e-3 * step)
-    angles = np.linalg.norm(cloud - tolerance._direction(scene, place), axis=-1)
+    cloud, middle = (scene.camera.through(each).direction for each in (place + 1e-3 * step, place))
+    angles = np.linalg.norm(cloud - middle, axis=-1)
     assert tolerance._blur_angle(scene, seen) == pytest.approx(np.sqrt(np.mean(angles**2)), rel=1e-3)
 
 

@@ -131,7 +131,7 @@ def test_prisms_behind_any_ideal_sheet(sheet):
     """The survey's rays meet the prisms, and the prediction is that of matrices or of the search."""
     scene = Chess(sheet=sheet, alpha=30, ratio=1.2, window="z=1.5,sheet=detailed,alpha=20", z1=3)
     text = to_pov(scene)
-    assert "Sheet(Windows[W][0]/2" in text and "#declare Simulated  = 1;" in text
+    assert "Sheet(Windows[W][0]/2" in text
     seen = complex(scene.apparent_position(scene.L, 3))
     *_, P, slope = apparent.follow((seen - scene.E) / scene.z2, scene.E, scene.elements)[-1]
     assert P + 3 * slope == pytest.approx(scene.L, abs=1e-6)

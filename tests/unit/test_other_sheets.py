@@ -108,9 +108,9 @@ def of_law(law, **parameter):
 def through_windows(scene, P):
     """Return where rays from the eye through points P (n,) of ideal windows end, and whether they pass all frames."""
     at, slope, z, inside = P, (P - scene.E) / scene.z2, 0.0, np.full(P.shape, True)
-    for window in scene.windows:
-        at, z = at + (window.z - z) * slope, window.z
-        behind = window.sheet.slope(slope, at)
+    for there, sheet in zip(scene.places, scene.sheets, strict=True):
+        at, z = at + (there - z) * slope, there
+        behind = sheet.slope(slope, at)
         for place in (at - scene.depth / 2 * slope, at, at + scene.depth / 2 * behind):
             inside &= np.maximum(abs(place.real), abs(place.imag)) < scene.aperture / 2
         slope = behind

@@ -125,7 +125,7 @@ def test_the_eye_sees_what_stands_far_aside_behind_a_refracting_sheet(ratio, alp
     sine = ratio * np.sin(np.radians(rng.uniform(60, 86, 200)))
     slope = sine / np.sqrt(1 - sine**2) * np.exp(1j * rng.uniform(-np.pi, np.pi, 200))
     P = 0.2 + 0.1j + scene.z2 * slope
-    L = P + scene.z1 * scene.windows[0][1].slope(slope, P)
+    L = P + scene.z1 * scene.sheets[0].slope(slope, P)
     np.testing.assert_allclose(scene.apparent_position(L, scene.z1), P, rtol=1e-8)
 
 

@@ -44,7 +44,7 @@ def test_windows_have_parameters_of_their_own():
         "z=3,sheet=law,law=x,y,z*k,parameter=k=2",
     ]
     scene = Chess(sheet="refraction", ratio=0.8, alpha=20, window=given)
-    assert [(z, sheet.name, dict(sheet.values)) for z, sheet in scene.windows] == [
+    assert [(z, sheet.name, dict(sheet.values)) for z, sheet in zip(scene.places, scene.sheets, strict=True)] == [
         (0, "refraction", {"alpha": 20, "ratio": 0.8}),
         (1, "lenslets", {"alpha": 20, "ratio": 0.5}),
         (2, "axis", {"alpha": 9, "axis": (0, 1, 0.5)}),
