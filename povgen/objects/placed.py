@@ -2,9 +2,10 @@
 
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field
 
-from povgen.optics.pose import Pose
+from povgen.optics.pose import Floats, Pose
 from povgen.validation import Model
 
 Extent = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -35,3 +36,10 @@ class Placed(Model):
     def box(self) -> Extent:
         """The room that it takes: the lower and the upper corner of a box, in its own coordinates."""
         raise NotImplementedError
+
+    @property
+    def corners(self) -> Floats:
+        """The corners of the box in the scene, (8, 3). Two that differ in one bit of their number share an edge."""
+        lower, upper = np.array(self.box)
+        own = np.array([np.where([n & 1, n & 2, n & 4], upper, lower) for n in range(8)])
+        return np.asarray(own @ self.pose.axes + self.pose.place)

@@ -67,7 +67,7 @@ def jones(direction: ArrayLike, angles: Sequence[float], prism: Prism) -> Comple
     """
     k = np.asarray(direction, float)
     k = k / np.linalg.norm(k, axis=-1, keepdims=True)
-    field = _axes(k).astype(complex)  # (..., 3, 2): the field of each of the two input polarisations
+    field = axes(k).astype(complex)  # (..., 3, 2): the field of each of the two input polarisations
     c, s = cos(radians(prism.base_angle)), sin(radians(prism.base_angle))
     n = prism.index
     forward = np.where(k[..., 2:] > 0, 1, -1)
@@ -79,7 +79,7 @@ def jones(direction: ArrayLike, angles: Sequence[float], prism: Prism) -> Comple
         k, field = _face(k, field, np.array([0, -1.0, 0]), n, 1, total=True)
         k, field = _face(k, field, along, n, 1)
         k, field = k @ turn, turn.T @ field
-    return np.swapaxes(_axes(k), -1, -2) @ field
+    return np.swapaxes(axes(k), -1, -2) @ field
 
 
 def transmission(jones: ArrayLike, angle: ArrayLike | None = None) -> Floats:
@@ -127,7 +127,7 @@ def _face(
     return after, out
 
 
-def _axes(k: Vectors) -> Vectors:
+def axes(k: Vectors) -> Vectors:
     """Return the axes of the Jones vectors, (..., 3, 2), of light with the unit directions k."""
     first = np.array([1.0, 0, 0]) - k * k[..., :1]
     first = first / np.linalg.norm(first, axis=-1, keepdims=True)

@@ -15,11 +15,13 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from povgen.optics import ray_path
 from povgen.optics.apparent import Element, nearest_rays
 from povgen.optics.equations import Complexes, real
 from povgen.optics.faces import Booleans, Floats, GlassSheet, Indices
 from povgen.optics.outline import Outline
 from povgen.optics.pose import Pose
+from povgen.optics.ray_path import Event, Steps
 from povgen.optics.trace import CHUNK, End, Rays, trace
 
 # A law states the slope behind an ideal sheet for each slope before it. Of light, which comes from behind, only the
@@ -48,6 +50,14 @@ class Opening(NamedTuple):
     def outline(self) -> Outline:
         """The opening's outline."""
         return self.own_outline or Outline(self.sheet.aperture, self.sheet.aperture)
+
+    @property
+    def edge(self) -> Floats:
+        """Points of the outline, (n, 3), the first of which is the last."""
+        turn = np.linspace(0, 2 * np.pi, 65 if self.outline.is_round else 5) + np.pi / 4
+        x, y = (part if self.outline.is_round else np.sign(part) for part in (np.cos(turn), np.sin(turn)))
+        own = np.stack((x * self.outline.width / 2, y * self.outline.height / 2, 0 * x), -1)
+        return np.asarray(own @ self.pose.axes + self.pose.place)
 
     @property
     def deep(self) -> "Opening":
@@ -167,9 +177,34 @@ class Traced(_Lines, Rays):
     how many cells the second lens is above the one opposite the first: 0 on the designed path. `light` and `reflected`
     are as in `trace.Rays`. `windows` (..., crossings) are the numbers of the windows that the ray meets, in their
     order, and -1 after the last, or where a ray starts in a frame behind its sheet.
+
+    If the paths were kept, `corners`, `media` and `met` are their points: `ray_path`. Otherwise they are empty.
     """
 
     windows: NDArray[np.int32]
+    corners: Floats
+    media: Floats
+    met: Indices
+
+    @property
+    def length(self) -> Floats:
+        """The optical path length of each ray (...), tiles, from its start to its end: `ray_path.length`."""
+        return ray_path.length(*self._path)
+
+    @property
+    def jones(self) -> Complexes:
+        """What the faces do to the field of each ray's light, (..., 2, 2): `ray_path.jones`."""
+        return ray_path.jones(*self._path)
+
+    def table(self) -> dict[str, NDArray[Any]]:
+        """Return a table of all corners of the paths: `ray_path.table`."""
+        return ray_path.table(*self._path)
+
+    @property
+    def _path(self) -> tuple[Floats, Floats, Indices]:
+        if not self.corners.shape[-2]:
+            raise ValueError("the paths were not kept; allowed: rays of trace(..., path=True)")
+        return self.corners, self.media, self.met
 
     @property
     def last(self) -> Indices:
@@ -276,15 +311,20 @@ def spot(traced: Iterable[Traced], z: float, stray: bool = False) -> Spot:
 
 
 def trace_windows(
-    rays: Bundle, windows: Iterable[Opening], most: int = 60, partial: "np.random.Generator | None" = None
+    rays: Bundle,
+    windows: Iterable[Opening],
+    most: int = 60,
+    partial: "np.random.Generator | None" = None,
+    path: bool = False,
 ) -> Traced:
     """Follow a bundle through windows that stand anywhere and do not overlap.
 
     A ray passes the nearest window that it meets, then the nearest that it meets behind this one, and so on. Paths run
     both ways: a ray that meets an ideal sheet from behind takes the path of a ray from the front, backwards. A ray ends
     where it meets no further window (`End.BESIDE` if it has met none), after `most` faces of prisms or lenses, from 1
-    to MOST_FACES, and after MOST_CROSSINGS windows. `partial` is as for `trace.trace`. Raises ValueError for arguments
-    of other types, and for rays that start in glass, or between the two sheets of a window.
+    to MOST_FACES, and after MOST_CROSSINGS windows. `partial` is as for `trace.trace`. With `path`, the rays' paths are
+    kept. Raises ValueError for arguments of other types, for rays that start in glass, or between the two sheets of a
+    window, and for more paths than `ray_path.MOST` allows.
     """
     if not isinstance(rays, Bundle):
         raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
@@ -295,9 +335,15 @@ def trace_windows(
     if not isinstance(partial, (np.random.Generator, type(None))):
         raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
-    way = _way(rays, windows, most, partial)
-    every = (*vars(way.rays).values(), np.stack(way.met, 1) if way.met else np.empty((len(way.rays.end), 0), np.int32))
-    return Traced(*(values.reshape((*rays.shape, *values.shape[1:])) for values in every))
+    way = _way(rays, windows, most, partial, path)
+    n = len(way.rays.end)
+    met = np.stack(way.met, 1) if way.met else np.empty((n, 0), np.int32)
+    kept: Any = np.empty((n, 0, 3)), np.empty((n, 0)), np.empty((n, 0), int)
+    if path:
+        kept = ray_path.assembled(rays.position.reshape(n, 3), way.rays.position, way.events)
+    return Traced(
+        *(values.reshape((*rays.shape, *values.shape[1:])) for values in (*vars(way.rays).values(), met, *kept))
+    )
 
 
 def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Indices, Floats, Floats]]:
@@ -326,14 +372,16 @@ def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Ind
     return found
 
 
-def _way(rays: Bundle, windows: Sequence[Opening], most: int, partial: "np.random.Generator | None") -> "_Way":
+def _way(
+    rays: Bundle, windows: Sequence[Opening], most: int, partial: "np.random.Generator | None", path: bool = False
+) -> "_Way":
     """Return rays that have been followed to their ends."""
     sheets = [window.sheet.glass for window in windows]
     n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
     found = Rays.starting(position, direction.copy(), most if layers else 0, layers)
     found.end[:], found.designed[:] = End.BESIDE, True
-    way = _Way(found, [window.deep for window in windows], sheets, most, partial)
+    way = _Way(found, [window.deep for window in windows], sheets, most, partial, path)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         way.run()
     found.designed &= found.end == End.THROUGH
@@ -349,9 +397,11 @@ class _Way:
     sheets: Sequence[Sequence[GlassSheet]]  # of prisms or lenses, in each window
     most: int
     partial: "np.random.Generator | None"
+    path: bool
     met: list[NDArray[np.int32]] = field(default_factory=list)  # the windows that the rays have met, one after another
     # the rays that ideal sheets have bent: their numbers, positions and directions, and the number of the window
     bent: list[tuple[Indices, Floats, Floats, int]] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)  # what rays have met, if their paths are kept
 
     def run(self) -> None:
         """Follow each ray to its end."""
@@ -394,6 +444,9 @@ class _Way:
             self.bend(np.flatnonzero(ahead), window, position, direction, ends)
             passed = ahead & (ends == End.THROUGH)
             self.bent.append((i[passed], *window.pose.scene(position[passed], direction[passed]), w))
+            if self.path:
+                count = int(passed.sum())
+                self.events.append(Event(i[passed], self.bent[-1][1], np.ones(count), np.full(count, ray_path.IDEAL)))
             way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
             framed = window.outline.excludes(*(position + way[:, None] * direction)[:, :2].T)
             ends[(ends == End.THROUGH) & framed] = End.FRAME
@@ -445,7 +498,8 @@ class _Way:
         j, some = i[ahead], np.flatnonzero(ahead)
         met = rays.count[j]  # faces, before this window
         most = self.most - met
-        after = trace(position[some], direction[some], sheets, window.outline, most, window.frame, self.partial)
+        steps = Steps.empty(len(j), int(most.max(initial=0))) if self.path else None
+        after = trace(position[some], direction[some], sheets, window.outline, most, window.frame, self.partial, steps)
         position[some], direction[some], ends[some] = after.position, after.direction, after.end
         for count in np.unique(met):
             rays.faces[j[met == count], count:] = after.faces[met == count, : self.most - count]
@@ -454,6 +508,11 @@ class _Way:
         rays.reflected[j] |= after.reflected
         rays.designed[j] &= after.designed
         rays.orders[j, first : first + len(sheets)] += after.orders
+        if steps:
+            for step in range(after.count.max(initial=0)):
+                n = np.flatnonzero(after.count > step)
+                places, _ = window.pose.scene(steps.place[n, step], direction[some[n]])
+                self.events.append(Event(j[n], places, steps.behind[n, step], after.faces[n, step].astype(int)))
 
 
 def nearest(windows: Sequence[Opening], position: Floats, direction: Floats, last: Indices) -> tuple[Indices, Floats]:

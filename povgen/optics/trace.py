@@ -39,6 +39,7 @@ from povgen.optics.outline import Outline
 from povgen.optics.polarisation import reflection
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
+from povgen.optics.ray_path import Steps
 
 CHUNK = 80000  # rays at a time: enough that the long paths of few rays cost little
 
@@ -106,8 +107,9 @@ def trace(
     most: ArrayLike = 60,
     frame: float = 0.0,
     partial: "np.random.Generator | None" = None,
+    steps: Steps | None = None,
 ) -> Rays:
-    """Follow rays through the sheets.
+    """Follow rays through the sheets. Where they meet faces is written into `steps`.
 
     Origins and directions are (n, 3) and broadcast. Directions may have any length. `sheets` are in order of z, the
     eye's side first, and fill a window with this outline, or a square one with this side. `frame` is the extent of
@@ -136,7 +138,8 @@ def trace(
     for start in range(0, len(position), CHUNK):
         part = slice(start, start + CHUNK)
         with np.errstate(divide="ignore", invalid="ignore"):
-            _Trace(rays[part], limits[part], sheets, glass, outline, frame, partial).run()
+            kept = steps and Steps(*(values[part] for values in steps))
+            _Trace(rays[part], limits[part], sheets, glass, outline, frame, partial, kept).run()
     rays.designed = on_path(rays, several, forward) & ~rays.reflected & ~rays.orders.any(1)
     return rays
 
@@ -213,8 +216,9 @@ class _Trace:
         outline: Outline,
         frame: float,
         partial: "np.random.Generator | None",
+        steps: Steps | None,
     ) -> None:
-        n, self.most = len(rays.count), most
+        n, self.most, self.steps = len(rays.count), most, steps
         self.rays, self.glass, self.sheets, self.partial = rays, glass, len(sheets), partial
         angle = np.array([sheet.angle for sheet in sheets])
         self.cosine, self.sine = np.cos(angle), np.sin(angle)
@@ -311,6 +315,10 @@ class _Trace:
         i, leaving, face = i[meets], i[~meets], face[meets]
         index = self.glass.at(self.sheet[i]).index
         reflected = self.bend(i, face, index if out else 1 / index)
+        if self.steps:
+            self.leave(i)
+            at = i, self.rays.count[i] - 1
+            self.steps.place[at], self.steps.behind[at] = self.rays.position[i], np.where(reflected == out, index, 1)
         if not self.borders:
             through = i[~reflected & (face == Face.BASE)]
             self.cell[through] += -1 if out else 1

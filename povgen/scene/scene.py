@@ -28,7 +28,7 @@ from povgen.scene.camera import Camera
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import WAVELENGTH
 from povgen.sheets.sheet import Ideal, Sheet
-from povgen.validation import Model
+from povgen.validation import Model, as_flag
 
 PATIENCE = 120  # CPU seconds in which a record's frames are checked; 10,000 frames of a window of prisms take 4
 
@@ -204,15 +204,16 @@ class Scene(Model):
         return self.camera.rays((width, height))
 
     @input_errors()
-    def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None) -> Traced:
+    def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None, path: bool = False) -> Traced:
         """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
 
         Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
         generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
-        Otherwise reflection is only total. Raises InputError for a ray that starts inside a window's sheets, and for a
-        `max_faces` that is not a whole number from 1 to 100,000.
+        Otherwise reflection is only total. With `path`, the result has the rays' whole paths: their `corners`, optical
+        `length`, `jones` matrices and a `table`. Raises InputError for a ray that starts inside a window's sheets, and
+        for a `max_faces` that is not a whole number from 1 to 100,000.
         """
-        return trace_windows(rays, self.openings, max_faces, partial)
+        return trace_windows(rays, self.openings, max_faces, partial, as_flag("path", path))
 
 
 @lru_cache(maxsize=4)  # they need up to 16 MB

@@ -14,7 +14,6 @@ from povgen.objects.scene_object import SceneObject
 from povgen.objects.sphere import Sphere
 from povgen.optics.faces import Floats
 from povgen.optics.paths import Paths
-from povgen.optics.rays import Opening
 from povgen.scene.scene import Scene, paths
 from povgen.scene.scenes import AxialScene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
@@ -240,7 +239,7 @@ def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
     places = [opening.pose.place for opening in scene.openings] or [np.array(scene.camera.middle)]
     most = FARTHEST * max(float(np.linalg.norm(place - eye)) for place in places)
     names = [(name.removeprefix("window") or name) if n else name for n, name in enumerate(scene.named_openings)]
-    windows = [Thing(name, _outline(opening), SHEET) for name, opening in zip(names, scene.openings, strict=True)]
+    windows = [Thing(name, opening.edge, SHEET) for name, opening in zip(names, scene.openings, strict=True)]
     if names == ["window1"]:
         sheet = scene.sheets[0]
         word = "window" if scene.is_empty else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
@@ -303,11 +302,3 @@ def _object(each: SceneObject) -> Thing:
     if each.point is None:
         return Thing("", points, OTHER)
     return Thing(each.name or each.called, points, OBJECT, is_mark, points[1] if is_mark else each.point)
-
-
-def _outline(opening: Opening) -> Floats:
-    """Return points of a window's outline, (n, 3), the first of which is the last."""
-    turn = np.linspace(0, 2 * np.pi, 65 if opening.outline.is_round else 5) + np.pi / 4
-    x, y = (part if opening.outline.is_round else np.sign(part) for part in (np.cos(turn), np.sin(turn)))
-    own = np.stack((x * opening.outline.width / 2, y * opening.outline.height / 2, 0 * x), -1)
-    return own @ opening.pose.axes + opening.pose.place

@@ -58,7 +58,7 @@ def test_a_tilt_of_both_sheets_displaces_the_object():
         expected = abs(1 - turn) * scene.z1 / abs(scene.z2 + scene.z1 * turn)  # for each radian
         assert moved / scene.z2 == pytest.approx(np.radians(0.5) * expected, rel=0.04)
     blurs = [pupil / np.sqrt(8) * abs((1 / (scene.z2 + scene.z1 * turn)).imag) for pupil in (0.02, 0.04, 0.08)]
-    stated = "D = 2, 4 and 8 mm this is {:.1f}, {:.1f} and {:.1f}".format(*np.degrees(blurs) * 60)  # a tile is 100 mm
+    stated = "(`pupil_blur`), arcminutes | {:.2f} | {:.2f} | {:.2f} |".format(*np.degrees(blurs) * 60)
     assert stated in " ".join((PROJECT / "docs" / "tolerances.md").read_text("utf-8").split())
 
 

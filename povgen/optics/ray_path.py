@@ -1,0 +1,128 @@
+"""The whole path of rays: their corners, the optical path length, and what the faces do to the light's field.
+
+Arrays begin with the shape of a bundle. `corners` (..., k, 3) are where a ray starts, each face and each ideal sheet
+that it meets, and where it ends; NaN after the end. `media` (..., k - 1) are the refractive indices of the straight
+parts between them. `met` (..., k) says what is at each corner: the number of a face, IDEAL, or 0 at the start and end.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from povgen.optics.equations import Complexes
+from povgen.optics.faces import Floats, Indices
+from povgen.optics.polarisation import axes, reflection
+
+IDEAL = -1  # an ideal sheet in `met`
+MOST = 10**7  # corners of a bundle, for each of which 32 bytes are needed
+
+
+class Steps(NamedTuple):
+    """Where rays in a window meet faces: `trace.trace` writes into these arrays."""
+
+    place: Floats  # (n, most, 3)
+    behind: Floats  # (n, most): the refractive index behind the face
+
+    @classmethod
+    def empty(cls, n: int, most: int) -> "Steps":
+        """Return steps for n rays of at most so many faces. Raises ValueError for more than MOST in all."""
+        if n * most > MOST:
+            raise ValueError(f"path = True: {n} rays of up to {most} faces; allowed: up to {MOST} faces in all")
+        return cls(np.empty((n, most, 3)), np.empty((n, most)))
+
+
+class Event(NamedTuple):
+    """Rays that meet something."""
+
+    ray: Indices  # their numbers, (n,)
+    place: Floats  # (n, 3)
+    behind: Floats  # the refractive index behind it, (n,)
+    met: Indices  # (n,)
+
+
+def assembled(start: Floats, end: Floats, events: Sequence[Event]) -> tuple[Floats, Floats, Indices]:
+    """Return corners (n, k, 3), media (n, k - 1) and `met` (n, k) of rays, whose events are in their order."""
+    first = np.arange(len(start)), start, np.ones(len(start)), np.zeros(len(start), int)
+    last = first[0], end, *first[2:]
+    ray, place, index, met = (np.concatenate(each) for each in zip(first, *events, last, strict=True))
+    order = np.argsort(ray, kind="stable")
+    count = np.bincount(ray, minlength=len(start))
+    number = np.arange(len(ray)) - np.repeat(np.cumsum(count) - count, count)
+    shape = len(start), max(count, default=2)
+    corners, media, found = np.full((*shape, 3), np.nan), np.full(shape, np.nan), np.zeros(shape, int)
+    for array, values in ((corners, place), (media, index), (found, met)):
+        array[ray[order], number] = values[order]
+    beyond = np.isnan(corners[:, 1:, 0])
+    return corners, np.where(beyond, np.nan, media[:, :-1]), found
+
+
+def length(corners: Floats, media: Floats, met: Indices) -> Floats:
+    """Return the optical path length of rays from start to end, in the unit of the corners.
+
+    It is NaN for rays that pass an ideal sheet: no glass is there to say how long their path is.
+    """
+    parts = media * np.linalg.norm(np.diff(corners, axis=-2), axis=-1)
+    return np.where((met == IDEAL).any(-1), np.nan, np.nansum(parts, axis=-1))
+
+
+@np.errstate(invalid="ignore", divide="ignore")
+def jones(corners: Floats, media: Floats, met: Indices) -> Complexes:
+    """Return the Jones matrices (..., 2, 2) of rays: what the faces that they meet do to the light's field.
+
+    Axes and phases are those of `polarisation`: a square is a power, and the phase of the path in glass is left out. A
+    face refracts or reflects as its ray does; a face that could do both reflects or passes a part. NaN for rays that
+    pass an ideal sheet.
+    """
+    step = np.diff(corners, axis=-2)
+    size = np.linalg.norm(step, axis=-1, keepdims=True)
+    # a part without a length, as where a ray ends on a face, has the direction of the part before it
+    way = np.where(size > 1e-12, step / size, np.nan)
+    k = way[..., 0, :]
+    field = axes(k).astype(complex)
+    for n in range(1, met.shape[-1] - 1):
+        n1, n2, after = media[..., n - 1, None], media[..., n, None], way[..., n, :]
+        after = np.where(np.isnan(after), k, after)
+        here = (met[..., n] > 0)[..., None]
+        reflects = n1 == n2
+        normal = np.where(reflects, after - k, n2 * after - n1 * k)
+        # along the normal, s is any direction across it
+        s = np.cross(k, normal)
+        s = np.where(np.linalg.norm(s, axis=-1, keepdims=True) > 1e-12, s, np.cross(k, _across(k)))
+        s = s / np.linalg.norm(s, axis=-1, keepdims=True)
+        normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+        outside = np.where(reflects, np.where(n1 > 1, 1.0, _other(media)), n2)
+        amplitudes = reflection(n1[..., 0], outside[..., 0], np.clip(abs((k * normal).sum(-1)), 0, 1))
+        changed = np.zeros_like(field)
+        for r, before, behind in zip(amplitudes, (s, np.cross(k, s)), (s, np.cross(after, s)), strict=True):
+            r = np.where(reflects[..., 0], r, np.sqrt(np.maximum(1 - abs(r) ** 2, 0)))
+            changed = changed + (r[..., None] * behind)[..., None] * (before[..., None] * field).sum(-2, keepdims=True)
+        field = np.where(here[..., None], changed, field)
+        k = np.where(here, after, k)
+    found = np.swapaxes(axes(k), -1, -2) @ field
+    return np.where((met == IDEAL).any(-1)[..., None, None], np.nan, found)
+
+
+def _other(media: Floats) -> Floats:
+    """Return the index of the glass that rays meet, (..., 1): that of a face that reflects a ray in the air."""
+    return np.asarray(np.nanmax(media, axis=-1, keepdims=True))
+
+
+def _across(k: Floats) -> Floats:
+    """Return vectors that are not parallel to k (..., 3)."""
+    return np.where(abs(k[..., :1]) < 0.7, [1.0, 0, 0], [0, 1.0, 0])
+
+
+def table(corners: Floats, media: Floats, met: Indices) -> dict[str, NDArray[Any]]:
+    """Return a table with a row for each corner, as a dictionary of arrays, such as pandas.DataFrame takes.
+
+    `ray` is the number of the ray in the flat bundle, `corner` that of the corner, `x`, `y` and `z` its place in tiles,
+    `index` the refractive index behind it (NaN at the end), and `face` what is there, as in `met`.
+    """
+    there = np.isfinite(corners[..., 0]).reshape(-1, corners.shape[-2])
+    ray, corner = np.nonzero(there)
+    x, y, z = corners.reshape(-1, corners.shape[-2], 3)[there].T
+    behind = np.concatenate((media, np.full((*media.shape[:-1], 1), np.nan)), -1).reshape(there.shape)[there]
+    face = met.reshape(there.shape)[there]
+    return {"ray": ray, "corner": corner, "x": x, "y": y, "z": z, "index": behind, "face": face}

@@ -1,0 +1,111 @@
+"""The whole path of rays: corners, optical length, polarisation and phases."""
+
+import numpy as np
+import pytest
+
+from povgen import Bundle, Chess, Eye, InputError, Room, Sphere, Window, draw
+from povgen.optics.polarisation import jones
+from povgen.optics.ray_path import IDEAL
+
+PRISMS = Chess(alpha=66, prisms=20)
+
+
+def straight(traced):
+    """Return the unit directions of the parts between corners."""
+    step = np.diff(traced.corners, axis=-2)
+    with np.errstate(invalid="ignore"):  # a part without a length
+        return step / np.linalg.norm(step, axis=-1, keepdims=True)
+
+
+@pytest.mark.parametrize("values", [{}, {"sheet": "lenticular"}, {"window": "z=2,alpha=30", "z1": 3}])
+def test_every_corner_obeys_snells_law_and_the_path_is_that_of_the_trace(values):
+    scene = PRISMS.replace(**values)
+    rays = scene.rays((24, 18))
+    found, plain = scene.trace(rays, path=True), scene.trace(rays)
+    assert np.array_equal(found.position, plain.position) and np.array_equal(found.end, plain.end)
+    number = np.isfinite(found.corners[..., 0]).sum(-1)
+    assert (number == found.count + 2).all() and not plain.corners.size
+    there = np.take_along_axis(found.corners, (number - 1)[..., None, None], -2)[..., 0, :]
+    assert np.array_equal(there, found.position)
+    way, media = straight(found), found.media
+    before, after, n1, n2 = way[..., :-1, :], way[..., 1:, :], media[..., :-1, None], media[..., 1:, None]
+    bends = (found.met[..., 1:-1] > 0) & np.isfinite(after[..., 0])
+    normal = np.where(n1 == n2, after - before, n2 * after - n1 * before)
+    across = np.cross(n1 * before, normal) - np.cross(n2 * after, normal)
+    assert bends.any() and abs(across[bends]).max() < 1e-9
+    inside = found.designed
+    assert (media[inside][:, 1] > 1.4).all() and (media[inside][:, 0] == 1).all()
+
+
+def test_the_field_is_that_of_the_designed_path():
+    rays = PRISMS.rays((40, 30))
+    found = PRISMS.trace(rays, path=True)
+    expected = jones(rays.direction[found.designed], (np.radians(33), 0), PRISMS.prism)
+    assert abs(found.jones[found.designed] - expected).max() < 1e-10
+    back = PRISMS.trace(rays, partial=np.random.default_rng(1), path=True)  # reflected rays have a field, too
+    assert np.isfinite(back.jones[back.reflected]).all()
+
+
+def test_a_room_has_ideal_sheets_and_prisms_on_one_path():
+    room = Room(
+        [Window(alpha=40, yaw=20), Window(sheet="detailed", prisms=30, z=2, pitch=10, width=4, height=4)],
+        eye=Eye(z=-7, view=1),
+    )
+    found = room.trace(room.rays((6, 4)), path=True)
+    passed = found[found.designed]
+    assert len(passed) and (passed.met[:, 1] == IDEAL).all() and np.isnan(passed.length).all()
+    assert np.isnan(passed.jones).all()
+    (sheet, _) = room.openings
+    assert abs((passed.corners[:, 1] - sheet.pose.place) @ sheet.pose.axes[2]).max() < 1e-9
+    table = passed.table()
+    assert len(table["x"]) == np.isfinite(passed.corners[..., 0]).sum() and table["face"].min() == IDEAL
+    with pytest.raises(ValueError, match="paths were not kept"):
+        _ = room.trace(room.rays((6, 4))).length
+    with pytest.raises(InputError, match="up to 10000000 faces"):
+        PRISMS.trace(PRISMS.rays((600, 600)), path=True)
+
+
+def test_a_drawing_in_space_has_the_windows_the_objects_and_the_rays(tmp_path):
+    things, rays = [Window(alpha=40, x=-2), Sphere(z=2), Window(x=2, yaw=30), Sphere(x=2, z=2)], [[[0, 0, 1]]]
+    rooms = [Room(things[:n]) for n in (2, 4)]
+    lines = [
+        draw(each, tmp_path / "a.svg", each.trace(Bundle((0, 0, -6), rays), path=True)).read_text().count("<path")
+        for each in rooms
+    ]
+    assert lines[1] - lines[0] >= 13  # an outline and the edges of a box
+    found = PRISMS.trace(PRISMS.pencil((0, 0, 2), 5), path=True)
+    few, many = (draw(PRISMS, tmp_path / f"{k}.svg", found[:k]).read_text() for k in (1, 5))
+    assert many.count("<path") - few.count("<path") >= 4
+    with pytest.raises(InputError, match="paths were not kept"):
+        draw(PRISMS, tmp_path / "b.svg", PRISMS.trace(PRISMS.rays((3, 2))))
+
+
+def behind_prisms(theta, prisms=8, gap=0.05, count=6000):
+    """Return a plane wave's phase behind prisms, tiles, of exp(ik(phase + direction . place)), rays and a prism."""
+    scene = Chess(sheet="single", prisms=prisms, gap=gap)
+    d = np.array([0, np.sin(theta), np.cos(theta)])
+    start = np.stack((np.zeros(count), np.linspace(-1.4999, 1.4999, count), np.full(count, -4.0)), -1)
+    found = scene.trace(Bundle(start, d), path=True)
+    found, start = found[found.designed], start[found.designed]
+    return start @ d + found.length - (found.position * found.direction).sum(-1), found, scene.prism
+
+
+@pytest.mark.parametrize("theta", [0, 0.05])
+def test_the_wave_front_is_whole_within_a_prism_and_jumps_between_prisms(theta):
+    """A prism reverses the slope across its ridges (docs/beyond.md): its neighbour's part is 2 p sin(theta) ahead."""
+    phase, found, prism = behind_prisms(theta)
+    cell = np.floor((found.position[:, 1] + 1.5) / prism.pitch)
+    parts = [phase[cell == k] for k in np.unique(cell)]
+    assert len(parts) > 4 and max(map(np.ptp, parts)) < 1e-12
+    jumps = np.diff([part.mean() for part in parts])
+    assert jumps == pytest.approx(np.full(len(jumps), 2 * prism.pitch * np.sin(theta)), abs=1e-12)
+
+
+def test_traced_phases_make_the_diffraction_pattern_of_a_grating():
+    """N prisms of height h and pitch p: a slit's pattern times that of N lines (Born and Wolf, section 8.6.1)."""
+    phase, found, prism = behind_prisms(0, prisms=6, gap=0.2, count=60_000)
+    wavelength, sine = prism.pitch / 40, np.linspace(-0.05, 0.05, 200)
+    field = np.exp(2j * np.pi / wavelength * (phase[:, None] - found.position[:, 1:2] * sine)).mean(0)
+    step = np.pi * prism.pitch * sine / wavelength
+    formula = np.sinc(prism.height * sine / wavelength) * np.sin(6 * step) / (6 * np.sin(step))
+    assert abs(field) ** 2 == pytest.approx(formula**2, abs=0.002)
