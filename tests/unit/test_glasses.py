@@ -126,7 +126,7 @@ def built(scene):
     indices = [shape.index for shape in shapes] + given.pop("glassIndices")
     numbers += [x for name in sorted(given) for x in np.ravel(given[name])]
     text = (line.partition("//")[0] for line in to_pov(scene, found=Survey(20, 0.5)).splitlines())
-    lines = [line for line in text if not re.search(r"Index|Aspect|^ +\{ \d", line)]
+    lines = [line for line in text if not re.search(r"Index|Aspect|^ *Shape\(", line)]
     return np.array(numbers, float), np.array(indices), lines
 
 
