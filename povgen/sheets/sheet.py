@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from povgen.optics import faces
 from povgen.optics.paraxial import Matrix
+from povgen.sheets.buildable import DEEPER, Buildable, judged
 from povgen.sheets.law_grammar import Law
 
 Kind = Literal["number", "whole number", "direction", "choice", "glass", "text", "table", "profile"]
@@ -115,6 +116,11 @@ class Sheet:
         """
         return None
 
+    def buildable(self) -> Buildable:
+        """Return what is known to do what the sheet does: prisms, lenses or nothing, with the reason."""
+        number = "one sheet" if self.layers == 1 else "two sheets"
+        return Buildable("as it is", f"it is {number} of glass", DEEPER)
+
     @property
     def is_exact(self) -> bool:
         """Whether the sheet has no errors of manufacture."""
@@ -163,6 +169,9 @@ class Ideal(Sheet):
     @property
     def thin(self) -> "Ideal":
         return self
+
+    def buildable(self) -> Buildable:
+        return judged(self.bend, self.aperture / 2)
 
     @property
     def numbers(self) -> dict[str, float]:

@@ -262,3 +262,28 @@ def test_captions_name_the_parameters_in_words():
         patch.setattr(overlay, "write", lambda draw, x, middle, text, size: texts.append(text))
         overlay.annotated(plain, scene, Rendering(caption="full"))
     assert "focal length = 4.5 tiles" in texts and "α = 66°" in texts
+
+
+@pytest.mark.parametrize(
+    ("law", "parts"),
+    [
+        ("-y, x, z", "straight prisms"),
+        ("y, x, z", "straight prisms"),
+        ("cos(X)*x + sin(X)*y, cos(X)*y - sin(X)*x, z", "prisms that change with the place"),
+        ("x - X*z/4, y - Y*z/4, z", "a lens"),
+        ("x + sin(X)*z/9, y, z", "a lens"),
+        ("x + 0.1*z, y, z", "a wedge"),
+        ("x - Y*z/9, y + X*z/9, z", "wedges that change with the place"),
+        ("-y - Y*z/9, x, z", "straight prisms and wedges that change with the place"),
+        ("x/2, -y/3, z", "lenslets and straight prisms"),
+        ("-x/2, -y/2, z", "lenslets"),
+        ("2*x - X*z, 2*y - Y*z, z", "lenslets that change with the place"),
+        ("x, x, z", "nothing known"),
+        ("x*(1 + X*X), y, z", "nothing known"),
+        ("x, y, z + x/5", "nothing known"),
+        ("x, y, -z", "nothing known"),
+    ],
+)
+def test_what_can_be_built_follows_from_the_law(law, parts):
+    found = Chess(sheet="law", law=law).sheets[0].buildable()
+    assert found.parts == parts and found.reason and found.page.startswith("docs/")

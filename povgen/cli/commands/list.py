@@ -10,7 +10,7 @@ from povgen.objects.window import Window
 from povgen.optics.glasses import GLASSES, index
 from povgen.progress import tell
 from povgen.scene.room import Eye
-from povgen.scene.scenes import SCENES
+from povgen.scene.scenes import SCENES, Chess
 from povgen.scene.spec import MOVIES, MovieSpec
 from povgen.sheets import PARAMETERS, SHEETS
 from povgen.sheets.parameters import WAVELENGTH
@@ -34,7 +34,9 @@ def command() -> None:
             own = ((field, described(info)) for field, info in part.model_fields.items() if field not in shared)
             formatter.write_dl([*own], NAMES)
     with formatter.section("sheets"):
-        formatter.write_dl([(kind.name, kind.does) for kind in SHEETS.values()], NAMES)
+        made = {kind.name: Chess(sheet=kind.name, **kind.examples[0]).sheets[0].buildable() for kind in SHEETS.values()}
+        about = [(kind.name, f"{kind.does}. Buildable: {made[kind.name].parts}") for kind in SHEETS.values()]
+        formatter.write_dl(about, NAMES)
     tell(formatter.getvalue())
     tell(f"pieces: {', '.join(PIECES)}")
     tell(f"glasses, n at {WAVELENGTH} nm: {', '.join(f'{x} {index(x, WAVELENGTH * 1e-9):.4f}' for x in GLASSES)}")
