@@ -31,13 +31,14 @@ export function light({ context }, width, height, rays, part = 1) {
   return numbers(gl, width, height);
 }
 
-const STILL = { RAYS: 16, MOST: 4000 };  // rays a pixel of a picture to save; fewer if they take so many ms
+const STILL = { RAYS: 16, PUPIL: 64, MOST: 4000 };  // rays a pixel of a picture to save, also to a pupil; fewer if they take so many ms
 
 // A picture of this size, on a canvas of its own.
 export function still({ context, canvas }, width, height) {
   const { gl } = context, start = performance.now(), size = [width, height], before = [canvas.width, canvas.height, context.shown];
+  const rays = context.scene.pupil ? STILL.PUPIL : STILL.RAYS;
   let sum, count = 0;
-  while (count < STILL.RAYS && (count === 0 || performance.now() - start < STILL.MOST)) {
+  while (count < rays && (count === 0 || performance.now() - start < STILL.MOST)) {
     sum = context.addRay("still", size, count++);
     numbers(gl, 1, 1);
   }

@@ -6,7 +6,7 @@ import { choose, LANGUAGES, spoken } from "./language.js";
 import { MOST_CHOICES, QUESTIONS, revealed, setOwn } from "./questions.js";
 import { change, CHOICES, inSeries, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
 
-const short = (x) => String(Number(x.toPrecision(7)));
+const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
 export const SWITCHES = ["position", "circles", "image", "caption", "stray", "large"];
 
 export function toHash() {
@@ -56,7 +56,7 @@ function own(text) {
     const texts = [ask, why, before, after, ...choices];
     if (choices.length < 2 || choices.length > MOST_CHOICES || !ask || !texts.every((each) => typeof each === "string")) return -1;
     const [first, last] = [before, after].map((hash) => valuesOf(new URLSearchParams(hash.slice(1))));
-    const then = last.sheet ? { ...pick(OPENING, "windows", "compare"), ...last } : last;  // toHash leaves these out
+    const then = last.sheet ? { ...pick(OPENING, "windows", "compare", "pupil", "focus"), ...last } : last;  // toHash leaves these out
     const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => name !== "question"));
     session.own_question = text;
     const n = setOwn({ ask, choices, why, before: { ...opening, ...START[first.scene ?? "chess"], ...first }, after: then });

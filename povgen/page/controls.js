@@ -38,6 +38,7 @@ const DIRECTIONS = OF_SHEETS.filter((name) => data.parameters[name].kind === "di
 const FIELDS = Object.entries({ L: "xy", E: "xy", ...Object.fromEntries(DIRECTIONS.map((name) => [name, "xyz"])) });
 const SLIDERS = {
   z1: log(0.3, 50), z2: log(0.5, 150), prisms: log(1, 400), alpha2: linear(...RANGES.alpha2, 0.5), d: log(0.4, 20),
+  pupil: linear(...RANGES.pupil, 0.01), focus: log(1, 60),
   ...Object.fromEntries(OF_SHEETS.filter((name) => !DIRECTIONS.includes(name)).map((name) => [name, sliderOf(name)])),
 };
 const valueOf = (name) => {
@@ -46,12 +47,12 @@ const valueOf = (name) => {
 };
 
 // A number as an input shows it.
-const typed = (x) => localised(String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0))));
+const typed = (x) => (Number.isFinite(x) ? localised(String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0)))) : "∞");
 
 for (const [name, { ends: [min, max], step }] of Object.entries(SLIDERS)) {
   const slider = Object.assign($(`slider-${name}`), { min, max, step });
   slider.addEventListener("input", () => given({ [name]: valueOf(name) }));
-  numberField($(`number-${name}`), 1, (x) => ({ [name]: x }));
+  numberField($(`number-${name}`), name === "pupil" ? 0.01 : 1, (x) => ({ [name]: x }));
 }
 for (const [name, letters] of FIELDS) {
   [...letters].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
@@ -138,6 +139,7 @@ $("undo").addEventListener("click", () => {
   $("scrub").focus();  // the button Undo is gone
 });
 for (const name of ["piece", "light"]) $(name).addEventListener("change", () => given({ [name]: $(name).value }));
+on("best-focus", "change", ({ target }) => given({ focus: target.checked ? "best" : moment().focus }));
 for (const name of SWITCHES) on(`show-${name}`, "change", ({ target }) => (state[name] = target.checked));
 
 const named = (name) => data.languages[name].name;
@@ -159,9 +161,9 @@ export function fillPage() {
 // Show the state in all inputs, except in a field that someone is typing in.
 export function showInputs(now) {
   for (const name of Object.keys(SLIDERS)) {
-    const x = name === "z1" || name === "z2" || (name === "d" && now.d) ? now[name] : state[name];
+    const x = ["z1", "z2", "focus"].includes(name) || (name === "d" && now.d) ? now[name] : state[name];
     const slider = $(`slider-${name}`);
-    if (document.activeElement !== slider || Math.abs(valueOf(name) - x) > 0.01 * Math.abs(x)) slider.value = SLIDERS[name].to(x);
+    if (document.activeElement !== slider || Math.abs(valueOf(name) - x) > 0.01 * Math.abs(x)) slider.value = SLIDERS[name].to(Math.min(x, 1e9));
     slider.setAttribute("aria-valuetext", name === "prisms" ? prismsText(x) : quantity(name, x));
     put(`number-${name}`, x);
   }
@@ -174,6 +176,7 @@ export function showInputs(now) {
   const asking = state.question >= 0, measuring = session.measuring && !asking;
   for (const [name, holds] of Object.entries({ simple, asking, measuring, compact: !simple || asking || measuring })) document.body.classList.toggle(name, holds);
   $("level").checked = !simple;
+  $("best-focus").checked = state.focus === "best";
   $("row-prisms").hidden = (now.beyond || simple) && !now.glass;
   $("beyond-choice").hidden = simple && beyond === "none";
   $("beyond").value = beyond;
@@ -182,7 +185,7 @@ export function showInputs(now) {
     const part = DIRECTIONS.includes(name) ? "controls.component" : "controls.coordinate";
     for (const input of document.querySelectorAll(`.place[data-quantity="${name}"] input`)) input.ariaLabel = say(part, { name, label: text, axis: input.dataset.axis });
     if (!SLIDERS[name]) continue;
-    const said = { name: name === "prisms" ? "N" : name, label: text };
+    const said = { name: { prisms: "N", pupil: "p", focus: "s" }[name] ?? name, label: text };
     const [least, most] = RANGES[name].map(brief);
     $(`slider-${name}`).ariaLabel = say("controls.slider", said);
     Object.assign($(`number-${name}`), { ariaLabel: say("controls.number", said), title: say("controls.range", { least, most }) });

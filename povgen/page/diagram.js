@@ -13,12 +13,12 @@ const diagram = $("diagram");
 export const orientation = () => (isGeneral() ? "picture" : state.diagram);
 
 // From the paper's coordinates and from the picture's tiles to pixels of the diagram.
-function mapOf(width, height, { L, E, P, two }) {
+function mapOf({ width, height }, rem, { L, E, P, two }) {
   const D = minus(E, L);
   const distance = Math.max(abs(D), 0.02);
   // the middle is midway between L and E, and a little on P's side
   const middle = [0.5, finite(P) ? clamped(0.5 * P[1], [-0.25, 0.25]) : 0];
-  const unit = Math.min(width / 2.2, height / (two ? 1.75 : 2.7));
+  const unit = Math.min(width / 2.2, height / (two ? 1.75 : 2.7), height - 3.4 * rem);  // with room for the names
   if (orientation() === "paper") {
     const at = (p) => times([unit, 0], conj(minus(p, middle)));
     return { at, unit, turned: 0 };
@@ -34,7 +34,7 @@ export function drawDiagram(now) {
   const { width, height } = diagram.getBoundingClientRect(), box = { width, height };
   if (!width) return;
   const rem = 0.9 * parseFloat(getComputedStyle(document.documentElement).fontSize);
-  const isDepth = now.Z && orientation() === "paper", map = isDepth ? null : session.held?.map ?? mapOf(width, height, now);
+  const isDepth = now.Z && orientation() === "paper", map = isDepth ? null : session.held?.map ?? mapOf(box, rem, now);
   session.diagramMap = map;
   diagram.setAttribute("viewBox", `${-width / 2} ${-height / 2} ${width} ${height}`);
   diagram.replaceChildren(...(isDepth ? depthDiagram(now, box, rem) : triangleDiagram(now, map, box, rem)));

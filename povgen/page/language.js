@@ -77,8 +77,8 @@ export const marked = (text) => text.replaceAll("&", "&amp;").replace(/<(?!\/?(i
 
 const ofSheets = (what) => Object.fromEntries(Object.entries(data.parameters).map(([name, parameter]) => [name, parameter[what]]));
 /** @type {Record<string, string>} */
-export const SYMBOL = { ...ofSheets("symbol"), z1: "z₁", z2: "z₂", prisms: "N", alpha2: "α₂", d: "d" };
-const UNIT = { ...ofSheets("unit"), z1: "tiles", z2: "tiles", alpha2: "°", d: "tiles" };
+export const SYMBOL = { ...ofSheets("symbol"), z1: "z₁", z2: "z₂", prisms: "N", alpha2: "α₂", d: "d", pupil: "p", focus: "s" };
+const UNIT = { ...ofSheets("unit"), z1: "tiles", z2: "tiles", alpha2: "°", d: "tiles", pupil: "tiles", focus: "tiles" };
 
 // The settings that can be replaced.
 export const SETTINGS = [...Object.keys(SYMBOL), "L", "E", "piece", "sheet", "sheet2", "windows"];

@@ -26,7 +26,7 @@ export const frameDepth = (scene) => Math.max(depth(scene), depth(compared(scene
 // The values of povgen's scene, for the live view. z1 and z2 are made large enough to keep object and eye out of the frame.
 export function sceneValues() {
   const { scene, piece, L, E, sheet2, alpha2, d } = state;
-  const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
+  const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", "pupil", "focus", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
   if (inSeries()) {
     values.window = [{ alpha: alpha2, z: d, sheet: sheet2 === "same" ? null : sheet2 }];
     values.window[0].z = Math.max(d, depth(values) + 0.011);
@@ -68,7 +68,8 @@ export function moment() {
   now.beyond = Boolean(now.d || now.general);
   now.P = equations.P(r, alpha);
   now.place = markedPosition(now);
-  Object.assign(now, appearance(now));
+  Object.assign(now, appearance(now), focusing(now));
+  scene.nearness = 1 / now.focus;
   // whether the line of sight to L through the first window misses the second one
   now.beside = !(now.M > NEAR_POLE) && !outside(now.place, scene) && isBesideSecond(now, now.place);
   // Near the pole, where M is infinite, the window shows a small part of the object's plane: its width is `seen`.
@@ -115,6 +116,22 @@ export function appearance(now) {
 
 // The columns of the Jacobian d(apparent position)/d(L), by central differences.
 const shownSteps = (now) => [[1e-3, 0], [0, 1e-3]].map((h) => scaled(500, minus(apparentPosition(now, plus(now.L, h)), apparentPosition(now, minus(now.L, h)))));
+
+// How an eye with a pupil sees the object: povgen/scene/pupil.py. The slope of the object's light changes with the place where it
+// enters the pupil: `light` has the columns of this linear map, with the other sign, 1/tile. For light of a point at the distance
+// f it is 1/f. `best` is 1 / the distance that blurs the object least: NaN if it has no image, then the focus is in the window.
+function focusing({ windows, E, place, z1, z2 }) {
+  const slope = scaled(1 / z2, minus(place, E));
+  const end = (aside, s) => landing(following(windows, plus(E, aside), z2)(plus(slope, s)), windows, z1) ?? [NaN, NaN];
+  const columns = (ends) => [[STEP, 0], [0, STEP]].map((h) => scaled(0.5 / STEP, minus(ends(h), ends(scaled(-1, h)))));
+  const bySlope = columns((h) => end([0, 0], h));
+  const light = columns((h) => end(h, [0, 0])).map((column) => resolved(column, bySlope));
+  const best = light.every(finite) ? Math.max(0, (light[0][0] + light[1][1]) / 2) : NaN;
+  return { light, best, focus: state.focus === "best" ? 1 / (Number.isNaN(best) ? 1 / z2 : best) : state.focus };
+}
+
+// The RMS angle by which the pupil blurs each point of the object, if the eye is focused at the distance 1/near, radians.
+export const pupilBlur = ({ scene, light: [a, b] }, near) => (scene.pupil / 4) * Math.hypot(a[0] - near, a[1], b[0], b[1] - near);
 
 // How the object must move, in tiles, to appear to move by `step`.
 export function objectStep(now, step) {

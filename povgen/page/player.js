@@ -46,7 +46,7 @@ export const player = {
   // What a preset fixes.
   fixed(sheet) {
     const { scene, fixed } = this.preset;
-    return { alpha: OPENING.alpha, z2: OPENING.z2, ...START[scene], ...fixed, scene, sheet, windows: 1, prisms: OPENING.prisms, piece: OPENING.piece, E: [0, 0] };
+    return { alpha: OPENING.alpha, z2: OPENING.z2, ...START[scene], ...fixed, scene, sheet, windows: 1, prisms: OPENING.prisms, piece: OPENING.piece, E: [0, 0], pupil: 0 };
   },
 
   play() {

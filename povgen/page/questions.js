@@ -11,7 +11,7 @@ import { BEYOND, OPENING, START, state } from "./state.js";
 
 const UP = {
   scene: "chess", sheet: "ideal", windows: 1, piece: "knight", alpha: 0, z1: 2, z2: 6, E: [0, 0], L: START.chess.L,
-  prisms: OPENING.prisms, compare: "off",
+  prisms: OPENING.prisms, pupil: 0, compare: "off",
 };
 const ANGLES = [0, 15, 66];
 const nuDegrees = (z1, z2, degrees) => equations.nu(z2 / z1, radians(degrees)) / radians(1);

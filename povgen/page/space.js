@@ -210,7 +210,7 @@ const path = (kind, points, to) => svg("path", { class: kind, d: along([points.m
 function eyeParts(eye, { to }, rem) {
   const [x, y] = to(eye), [wide, high] = [0.95 * rem, 0.75 * rem];
   const d = `M${x - wide} ${y}Q${x} ${y - high} ${x + wide} ${y}Q${x} ${y + high} ${x - wide} ${y}Z`;
-  return [svg("path", { class: "eye q q-E", d }), svg("circle", { class: "pupil q q-E", cx: x + 0.3 * rem, cy: y, r: 0.27 * rem })];
+  return [svg("path", { class: "eye q q-E", d }), svg("circle", { class: "pupil q q-E q-pupil", cx: x + 0.3 * rem, cy: y, r: 0.27 * rem })];
 }
 
 const marksP = ({ place, sheet }) => state.light === "ray" && sheet !== "none" && finite(place) && abs(place) < 4;

@@ -12,6 +12,7 @@ export const START = {
 export const OPENING = {
   scene: "chess", sheet: "ideal", ...pick(data.scenes.chess, "z2", "prisms", "piece", ...Object.keys(data.parameters)),
   E: [0, 0], ...START.chess,
+  pupil: 0, focus: "best",                                       // the eye: as in povgen/scene/scene.py
   windows: 1, sheet2: "same", alpha2: 120, d: 2,                 // beyond the paper: BEYOND
   position: false, circles: false, image: false, caption: false,  // what is drawn on the picture
   compare: "off",                                                // the sheets to the right of the curtain
@@ -22,7 +23,7 @@ export const OPENING = {
 };
 export const RANGES = {
   ...Object.fromEntries(Object.entries(data.parameters).map(([name, { least, most }]) => [name, [least, most]])),
-  z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms], windows: [1, 2], d: [0.01, 100],
+  z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms], windows: [1, 2], d: [0.01, 100], pupil: [0, 0.6], focus: [0.1, 1000],
   alpha: [-180, 180], alpha2: [-180, 180],  // other angles turn light as one of these does
 };
 export const WHOLE = ["prisms", "windows", ...Object.keys(data.parameters).filter((name) => data.parameters[name].kind === "whole number")];
@@ -74,6 +75,7 @@ export function change(values) {
   };
   const component = (axis, name) => say("settings.x_of", { axis, name });
   for (const [name, range] of Object.entries(RANGES)) {
+    if (state[name] === "best") continue;
     if (Array.isArray(state[name])) state[name] = state[name].map((part, k) => limited(component("xyz"[k], SYMBOL[name]), part, range));
     else state[name] = limited(SYMBOL[name] ?? say(`settings.number_of_${name}`), state[name], range, isAngle(name) ? { unit: "°" } : {});
   }
@@ -123,7 +125,7 @@ const turns = (window, n) => {
   return label === usual ? say(`controls.alpha_${window}`) : say(`controls.label_${window}`, { label });
 };
 export const labels = (beyond) => ({
-  ...Object.fromEntries(["alpha", "d", "z1", "z2", "prisms", "L", "E"].map((name) => [name, say(`controls.${name}`)])),
+  ...Object.fromEntries(["alpha", "d", "z1", "z2", "prisms", "pupil", "focus", "L", "E"].map((name) => [name, say(`controls.${name}`)])),
   ...Object.assign({}, ...kinds().reverse().map((sheet) => pick(entry(`kinds.${sheet}.labels`) ?? {}, ...(data.kinds[sheet]?.parameters ?? [])))),
   ...(beyond === "series" ? { alpha: turns("first", 0), alpha2: turns("second", 1), z1: say("controls.z1_series"), z2: say("controls.z2_series") } : {}),
 });
@@ -157,12 +159,12 @@ export const kinds = () => [state.sheet, ...(inSeries() ? [state.sheet2 === "sam
 export const isGeneral = () => kinds().some((sheet, n, { length }) => sheet in data.kinds || (sheet === "single" && length > 1));
 
 // What depends on the choice, among the parts of the page with the attribute `data-for`: the names of the parameters that the
-// windows use, "second" if there is a second window, and "none" (the paper's window), "series" (two windows that rotate light
+// windows and an eye with a pupil use, "second" if there is a second window, and "none" (the paper's window), "series" (two windows that rotate light
 // about their normal) or "general".
 export function partsShown() {
   const used = kinds().map((sheet) => data.kinds[sheet]?.parameters ?? ["alpha"]);
   const second = inSeries() ? ["second", ...used[1].map((name) => (name === "alpha" ? "alpha2" : name))] : [];
-  return [...used[0], ...second, isGeneral() ? "general" : inSeries() ? "series" : "none"];
+  return [...used[0], ...second, ...(state.pupil ? ["pupil", "focus"] : []), isGeneral() ? "general" : inSeries() ? "series" : "none"];
 }
 
 // ---- Settings that a movie, another choice or Reset replaces ----

@@ -1,12 +1,13 @@
 // What the page says of what is seen, in sentences.
 
+import { radians } from "../liveview/geometry.js";
 import * as presets from "../liveview/presets.js";
 import { bending } from "../liveview/sheets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
 import { abs, arg, finite, minus, quotient } from "./complex.js";
 import { $, data } from "./data.js";
-import { angle, brief, briefly, entry, forms, listed, prismsText, quantity, say, SYMBOL, tilesText, timesText } from "./language.js";
-import { contents, frameDepth, outside, unsure } from "./moment.js";
+import { angle, brief, briefly, entry, fixed, forms, listed, prismsText, quantity, say, SYMBOL, tilesText, timesText } from "./language.js";
+import { contents, frameDepth, outside, pupilBlur, unsure } from "./moment.js";
 import { absent, bare, doubt, imagePlace, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
 import { kinds, RANGES, session, state, usesAlpha } from "./state.js";
@@ -71,9 +72,18 @@ function remarks(now) {
   else if (!now.nearPole && !unsure(now) && finite(now.place) && outside(now.place, scene) && contents(now).has("thing")) {
     found.push(say(presets.hasPiece(state.scene) ? "seen.foot_outside" : "seen.middle_outside", { thing: thing() }));
   }
+  if (scene.pupil && Number.isFinite(now.best) && contents(now).has("thing")) found.push(blurSaid(now));
   found.push(...lightWarnings(now));
   if ((sheet !== "single" || now.beyond) && now.glass && unsure(now) && !now.beside) found.push(doubt(now));
   return found;
+}
+
+// By how much the pupil blurs the object, and whether another focus makes it sharp.
+function blurSaid(now) {
+  const { scene, best, focus, z1 } = now;
+  const [blur, least] = [scene.nearness, best].map((near) => `${fixed(pupilBlur(now, near) / radians(1 / 60), 1)}′`), none = `${fixed(0, 1)}′`;
+  const sentence = least !== none ? "always" : blur !== none ? "now" : "not";
+  return say(`seen.blurred_${sentence}`, { thing: thingAt(z1), blur, focus: tilesText(focus), best: tilesText(1 / best) });
 }
 
 // The description of the picture for those who do not see it.
@@ -82,7 +92,7 @@ export function describe(now) {
   const [first, second] = kinds().map((sheet) => ofKind(sheet, "model", { prisms }));
   const through = kinds().every((sheet) => sheet === "none") ? "free" : now.d ? "two" : "one";
   const seenAs = say(`describe.${through}`, { thing: thing(), first, second, tiles: now.d && tilesText(now.d) });
-  const values = listed([...parametersOf(now).flat(), `z₁ = ${brief(now.z1)}`, `z₂ = ${quantity("z2", now.z2)}`]);
+  const values = listed([...parametersOf(now).flat(), `z₁ = ${brief(now.z1)}`, `z₂ = ${quantity("z2", now.z2)}`, ...eyeValues(now)]);
   return [`${seenAs} ${values}.`, pointsSaid(now), ...reason(now), explanation(now)].join(" ");
 }
 
@@ -100,6 +110,8 @@ function parametersOf({ windows }) {
     .map((name) => `${SYMBOL[n && name === "alpha" ? "alpha2" : name]} = ${briefly(name, values[name])}`));
 }
 
+const eyeValues = ({ scene, focus }) => (scene.pupil ? [`p = ${brief(scene.pupil)}`, `s = ${brief(focus)}`] : []);
+
 // The parts of the caption on the picture.
 export function caption(now) {
   const differ = new Set(kinds()).size > 1;
@@ -109,7 +121,7 @@ export function caption(now) {
   });
   const values = parametersOf(now);
   const second = now.d ? [...(names[1] === names[0] ? [] : [names[1]]), ...values[1], `d = ${brief(now.d)}`] : [];
-  const parts = [names[0], ...values[0], ...second, `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`];
+  const parts = [names[0], ...values[0], ...second, `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`, ...eyeValues(now)];
   if (!now.two && !now.Z) return parts;
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
   return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`];

@@ -16,7 +16,7 @@ from conftest import (
     some,
 )
 
-from povgen import Chess, Spheres
+from povgen import Chess, Spheres, results
 from povgen.liveview import scripts
 from povgen.liveview.languages import tables
 from povgen.liveview.values import values as live_values
@@ -254,6 +254,43 @@ def test_positions_behind_any_windows_are_those_of_python(page, number):
             given = page.evaluate("(({ nu, M }) => [nu, M])(moment())")
             assert [np.exp(1j * given[0]), given[1]] == [pytest.approx(np.exp(1j * np.radians(nu))), pytest.approx(M)]
     assert np.mean(found) > 0.8 and glass > 1
+
+
+def test_focus_and_blur_of_a_pupil_are_those_of_python(page):
+    """Where the eye is focused best, and what blur remains there or elsewhere. A link keeps both."""
+    rng, scenes, found = np.random.default_rng(5), [], []
+    pole = {"alpha": 180, "z1": 6, "z2": 6}
+    for k, values in enumerate([pole, *states(rng, 21), pole]):
+        focus = "best" if k % 3 else round(rng.uniform(1, 20), 3)
+        page.evaluate("fromHash('')")
+        page.evaluate("change", values | {"scene": "chess", "pupil": 0.3, "focus": focus})
+        link = page.evaluate("toHash()")
+        page.evaluate("(link) => { fromHash(''); fromHash(link); }", link)
+        scenes.append(scene_of(page))
+        assert [scenes[-1].pupil, scenes[-1].focus] == [0.3, focus], link
+        found.append(page.evaluate("((now) => [1 / now.best, pupilBlur(now, 1 / now.focus)])(moment())"))
+    wanted = results(scenes, "best_focus", "pupil_blur", progress=False)
+    assert found[-1] == [pytest.approx(np.nan, nan_ok=True)] * 2 and page.evaluate("moment().focus") == 6  # the window
+    assert np.isnan(wanted["best_focus"]).sum() == 2 and np.isinf(wanted["best_focus"]).any()
+    best, blur = np.transpose(found)
+    assert best == pytest.approx(wanted["best_focus"], rel=1e-5, nan_ok=True)
+    assert np.degrees(blur) * 60 == pytest.approx(wanted["pupil_blur"], rel=1e-5, abs=1e-4, nan_ok=True)
+
+
+def test_what_a_pupil_blurs_is_said(page):
+    """Through sheets that turn light by 0 or 180 degrees there is a sharp focus, otherwise never."""
+    assert "pupil" not in sentence(page, alpha=90) + page.evaluate("toHash()")
+    for alpha, focus, said in (
+        (0, "best", "The eye is focused at 8 tiles: its pupil does not blur the knight."),
+        (180, "best", "The eye is focused at 4 tiles: its pupil does not blur the knight."),
+        (180, 6, "its pupil blurs each point of the knight by 30.4′ (arcminutes, RMS), but not at 4 tiles."),
+        (90, "best", "by 18.2′ (arcminutes, RMS), and no focus makes it sharp."),
+        (-90, 6, "by 19.2′ (arcminutes, RMS), and no focus makes it sharp."),
+    ):
+        assert said in sentence(page, alpha=alpha, pupil=0.3, focus=focus)
+    eye = "((each) => [each.pupil, each.nearness])(otherScene(moment()))"  # to the right of the curtain
+    assert page.evaluate(eye) == [0.3, 1 / 6]
+    assert {"p = 0.3", "s = 6"} <= {*page.evaluate("caption(moment())")}
 
 
 def test_no_ideal_sheet_stands_behind_prisms(page):

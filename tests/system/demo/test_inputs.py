@@ -52,6 +52,31 @@ def test_numbers_are_typed_and_sliders_moved(page):
     assert page.evaluate("state.alpha") == 90
 
 
+def test_an_eye_with_a_pupil_is_focused(page):
+    """Best by itself, until someone chooses the distance. Beginners see the pupil's picture, but not its sliders."""
+    best, focus = page.get_by_label("best focus"), page.locator("#number-focus")
+    expect(focus).to_be_hidden()
+    page.get_by_label("p: diameter of the eye’s pupil").fill("0.3")
+    expect(focus).to_have_value("7.303")  # 1 / Re(1/Z)
+    expect(best).to_be_checked()
+    show(page, alpha=180, z1=12)  # its image is behind the eye
+    expect(focus).to_have_value("∞")
+    show(page, z1=2)
+    page.get_by_label("s: the eye is focused at").press("ArrowRight")
+    expect(best).not_to_be_checked()
+    assert page.evaluate("[moment().focus, 1 / moment().scene.nearness]") == [4.17, pytest.approx(4.17)]
+    best.press("Space")
+    assert page.evaluate("[state.focus, moment().focus]") == ["best", pytest.approx(4)]
+    best.press("Space")
+    assert page.evaluate("state.focus") == pytest.approx(4)
+    focus.fill("2000")
+    expect(page.locator("#sentence")).to_contain_text("s is at most 1000.")
+    show(page, level="simple")
+    expect(page.locator("#row-pupil")).to_be_hidden()
+    page.locator("#reset").click()
+    assert page.evaluate("(draw(), [state.pupil, state.focus, view.scene.pupil])") == [0, "best", 0]
+
+
 def test_what_is_changed_is_said(page):
     show(page, sheet="detailed")
     for name, typed, value, said in (

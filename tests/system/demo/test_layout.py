@@ -21,6 +21,7 @@ STATES = [
     {"sheet": "detailed"},
     {"scene": "spheres", "sheet": "axis"},
     {"windows": 2, "diagram": "paper"},
+    {"pupil": 0.3},
     {"question": 6},
     {"alpha": 180, "z1": 5.9, "L": [0.3, -0.85]},
     *SERIES,
@@ -79,7 +80,8 @@ def test_each_control_is_in_sight_on_top_and_large_enough(page, size):
     show(page, level="expert")
     page.get_by_role("button", name="Write down").click()
     assert page.evaluate(FAULTS) == []
-    page.evaluate("rows.splice(0); session.measuring = session.measured = false; $('present').click()")
+    page.evaluate("rows.splice(0); session.measuring = session.measured = false")
+    page.evaluate("$('share-open').click(); $('present').click()")
     stage = page.locator("#stage").bounding_box()
     page.evaluate("$('leave').click()")
     assert stage["width"] >= min(0.9 * width, 0.75 * height)
@@ -152,7 +154,11 @@ def test_all_that_the_view_of_the_light_names_is_inside_it(page, size, language)
 @pytest.mark.parametrize(
     ("size", "values", "presses"),
     [
-        ((1280, 720), {"position": True, "circles": True, "image": True, "caption": True, "diagram": "paper"}, []),
+        (
+            (1280, 720),
+            {"position": True, "circles": True, "image": True, "caption": True, "diagram": "paper", "pupil": 0.3},
+            [],
+        ),
         ((390, 844), {"question": 3, "sheet": "none"}, ["aids", "dark"]),
         *(
             pytest.param(*each, marks=pytest.mark.release)

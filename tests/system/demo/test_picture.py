@@ -64,6 +64,27 @@ def piece_and_prediction(page):
     return piece, np.reshape(inside, (120, 160))
 
 
+def test_a_pupil_blurs_what_has_no_image(page):
+    """In best focus the piece is sharp at 180 degrees, and blurred at 90."""
+    page.evaluate("PACE.RAYS = 32")
+    try:
+        for alpha, blurred in ((180, False), (90, True)):
+            show(page, alpha=alpha, z1=3, pupil=0)
+            piece = np.kron(piece_and_prediction(page)[0], np.ones((4, 4), bool))
+            edges = [sharpness(page, piece), sharpness(page, piece, pupil=0.4)]
+            assert (edges[1] < 0.6 * edges[0]) if blurred else (edges[1] > 0.85 * edges[0]), (alpha, edges)
+    finally:
+        page.evaluate("PACE.RAYS = 1")
+
+
+def sharpness(page, piece, **values):
+    """Return the RMS difference of neighbouring pixels within the piece."""
+    show(page, **values)
+    shown = Image.fromarray(picture(page, COARSE).astype(np.uint8)).convert("L").resize((640, 480))
+    steps = np.diff(np.asarray(shown).astype(float), axis=1)
+    return np.sqrt((steps[piece[:, 1:]] ** 2).mean())
+
+
 def test_switches_draw_on_the_picture(page):
     show(page, sheet="none", scene="spheres")
     page.evaluate("$('hint').hidden = true")
