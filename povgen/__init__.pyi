@@ -2,6 +2,7 @@ from povgen.errors import InputError as InputError
 from povgen.errors import PovrayError as PovrayError
 from povgen.liveview.view import live as live
 from povgen.measure.opengl import points as points
+from povgen.measure.part import part as part
 from povgen.measure.space import draw as draw
 from povgen.objects.box import Box as Box
 from povgen.objects.card import Card as Card

@@ -30,6 +30,7 @@ COMMANDS = {
     "verify": "compare what is rendered with the equations and the exact ray trace",
     "chart": "measure the cost and the error of pictures, for every renderer and every sampling",
     "tolerance": "trace how errors of building a pair of sheets change what is seen",
+    "part": "write the sheets of prisms or lenses as solids, to print them: STL, OBJ or GLB",
     "figure": "make figures of the paper, with captions that say how well they agree with it",
 }
 

@@ -143,7 +143,7 @@ def place(tmp_path_factory):
     global ROOT, WORK
     from povgen.cli.commands import check
     from povgen.liveview import view
-    from povgen.measure import charts, speed, stability, stability_map, verify, verify_gl, verify_live
+    from povgen.measure import charts, part, speed, stability, stability_map, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.page import page
     from povgen.paper import figures
@@ -191,6 +191,7 @@ def place(tmp_path_factory):
         patch.setattr(stability_map, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
         patch.setattr(speed, "measure_samplings", lambda *_: [])
         patch.setattr(charts, "save_frames", lambda *_: None)
+        patch.setattr(part, "_solid", lambda *_: part.Manifold.cube())
         patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
         patch.setattr(check, "faults", lambda report: [])
         assert build.encode is encode and page.build is build

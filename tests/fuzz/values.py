@@ -111,7 +111,7 @@ SOME = {  # right values for what is no field of a model
     "tolerance": st.sampled_from(["1px", "5px", "0.5flip", "100px,1flip"]),
     "json": st.just("x.json"),
     "html": st.just("x.html"),
-    "output": st.sampled_from(["x.png", "x.exr", "x.mp4", "x.gif", "x.pov", "x.html", "x", "kept.png", "folder"]),
+    "output": st.sampled_from("x.png x.exr x.mp4 x.gif x.pov x.html x.stl x kept.png folder".split()),
     "source": st.sampled_from(["recorded.png", "recorded.gif"]),
     "file": st.sampled_from(["recorded.png", "recorded.gif"]),
     "piece": st.sampled_from([*PIECES]),

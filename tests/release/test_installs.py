@@ -71,8 +71,9 @@ if __name__ == "__main__":
 
 
 def test_the_oldest_packages(tmp_path):
-    povgen = installed(tmp_path / "venv", PYTHONS[3, 11], "--resolution", "lowest-direct", f"{PROJECT}[charts,cluster]")
-    works(povgen, tmp_path, ["figure", "5"], ["frame", "chess", "--help"])
+    extras = f"{PROJECT}[charts,cluster,parts]"
+    povgen = installed(tmp_path / "venv", PYTHONS[3, 11], "--resolution", "lowest-direct", extras)
+    works(povgen, tmp_path, ["figure", "5"], ["part", "chess", "-o", "a.stl"], ["frame", "chess", "--help"])
     (tmp_path / "cluster.py").write_text(CLUSTER)
     movie = [povgen, "movie", "vary-z1", "--size", "80x60", "--sheet", "none", "--quality", "draft", "-o", "b.mp4"]
     done = subprocess.run(
