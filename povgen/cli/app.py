@@ -31,6 +31,7 @@ COMMANDS = {
     "chart": "measure the cost and the error of pictures, for every renderer and every sampling",
     "tolerance": "trace how errors of building a pair of sheets change what is seen",
     "part": "write the sheets of prisms or lenses as solids, to print them: STL, OBJ or GLB",
+    "cite": "print BibTeX entries of povgen and of the paper",
     "figure": "make figures of the paper, with captions that say how well they agree with it",
 }
 

@@ -579,3 +579,12 @@ def test_a_fifo_into_which_nobody_writes_is_an_empty_spec(tmp_path):
     thread.start()
     assert "movie.toml: title = 3" in refused(["movie", "movie.toml"], tmp_path)
     thread.join()
+
+
+def test_what_to_cite_is_what_citation_cff_says(tmp_path):
+    status, out, _ = povgen(["cite"], tmp_path)
+    said = (PROJECT / "CITATION.cff").read_text("utf-8")
+    for name in ("version", "doi", "family-names", "title", "journal", "volume", "year"):
+        for value in re.findall(rf'^ *-? *{name}: "?(.*?)"?$', said, re.M):
+            assert value in out or value == "povgen", value
+    assert status == 0 and out.count("@") == 2
