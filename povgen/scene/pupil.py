@@ -7,6 +7,7 @@ scaling by -1/Z, where Z = z2 + exp(i alpha) z1 is the complex depth of docs/bey
 Z is real.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -14,7 +15,8 @@ from numpy.typing import ArrayLike
 
 from povgen.optics.equations import Complexes, Floats
 from povgen.scene.camera import Camera
-from povgen.scene.scene import Scene, paths
+from povgen.scene.scene import Scene, object_images, paths
+from povgen.scene.scenes import AxialScene
 
 # Steps of numbers between 0 and 1 that fill a square evenly, however many they are: powers of the root of x^5 = x + 1
 # (Roberts, 2018). view.glsl has the same.
@@ -61,11 +63,11 @@ def rms(change: ArrayLike, pupil: float, nearness: ArrayLike) -> Floats:
 
 @lru_cache(maxsize=256)  # a movie's frames ask several times
 def light_of_object(scene: Scene) -> Floats:
-    """Return A (2, 2) of the light of the scene's first object that has an image (`Scene.first_image`), else NaN.
+    """Return A (2, 2) of the light of the scene's first object that has an image, NaN if none has.
 
     Prisms and lenses count by their designed light. Frames hide nothing.
     """
-    seen, nothing = scene.first_image, np.full((2, 2), np.nan)
+    seen, nothing = _first_image(scene), np.full((2, 2), np.nan)
     if seen is None or not np.isfinite(seen[1]):
         return nothing
     point, position, names = seen
@@ -83,6 +85,21 @@ def light_of_object(scene: Scene) -> Floats:
     end = start + part[:, None] * way
     across = (end[1:5] - end[5:]).T / (2 * _STEP)  # (3, 4): by x, y, sx and sy
     return np.asarray(-np.linalg.pinv(across[:, 2:]) @ across[:, :2]) if np.isfinite(across).all() else nothing
+
+
+def _first_image(scene: Scene) -> tuple[Sequence[float], complex, Sequence[str]] | None:
+    """Return the point of the first object that has an image, where the eye sees it first, and through which windows.
+
+    The position is in the picture's plane, x + iy from its middle, tiles. A preset's light passes all windows.
+    """
+    if isinstance(scene, AxialScene):
+        if not scene.objects:
+            return None
+        L, z1 = scene.objects[0]
+        position = complex(scene.apparent_position(L, z1)) - scene.middle
+        return (L.real, L.imag, scene.places[-1] + z1), position, [*scene.named_openings]
+    seen = ((each.point, images[0]) for each, images in object_images(scene) if images and each.point is not None)
+    return next(((tuple(point), image.position, image.windows) for point, image in seen), None)
 
 
 def _before(camera: Camera) -> complex:

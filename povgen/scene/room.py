@@ -182,6 +182,7 @@ class Room(Scene):
         return dict(zip(self.things, self.openings, strict=False))  # windows come first
 
     def ray_tables(self, size: tuple[int, int]) -> Iterable[bytes]:
+        """Return the tables of rays that the room's text for POV-Ray reads: none without ideal windows."""
         if self.rays_file is None:
             return ()
         rays = traced_rays.of_file(self.rays_file.content)

@@ -123,10 +123,6 @@ class Scene(Model):
         """
         raise NotImplementedError
 
-    def ray_tables(self, size: tuple[int, int]) -> Iterable[bytes]:  # noqa: ARG002
-        """Return the tables of rays that the scene's text for POV-Ray reads: none but for rooms with ideal windows."""
-        return ()
-
     @property
     def outlines(self) -> tuple[str, ...]:
         """The names of the parameters that draw an outline on the picture, and are true."""
@@ -175,15 +171,6 @@ class Scene(Model):
         if place.shape != (3,) or not np.isfinite(place).all():
             raise ValueError(f"point = {shown(point)}: allowed: x, y and z, in tiles")
         return paths(self).images(place)[0]
-
-    @property
-    def first_image(self) -> tuple[Sequence[float], complex, Sequence[str]] | None:
-        """The point of the first object that has an image, where the eye sees it first, and through which windows.
-
-        The position is in the picture's plane, x + iy from the picture's middle, tiles.
-        """
-        seen = ((each.point, images[0]) for each, images in object_images(self) if images and each.point is not None)
-        return next(((tuple(point), image.position, image.windows) for point, image in seen), None)
 
     @property
     def tile(self) -> int:

@@ -82,14 +82,6 @@ class AxialScene(Predicted):
         return tuple(z1 for _, z1 in self.objects)
 
     @property
-    def first_image(self) -> tuple[Sequence[float], complex, Sequence[str]] | None:
-        if not self.objects:
-            return None
-        L, z1 = self.objects[0]
-        position = complex(self.apparent_position(L, z1)) - self.middle
-        return (L.real, L.imag, self.places[-1] + z1), position, [*self.named_openings]
-
-    @property
     def radii(self) -> tuple[float, ...]:
         """The radius of every object, tiles. The radius of a piece is that of its foot."""
         return (0.0,) * len(self.objects)

@@ -12,6 +12,7 @@ from povgen.errors import InputError
 from povgen.files import checked_output, save
 from povgen.inputs.pictures import used
 from povgen.progress import say
+from povgen.scene.room import Room
 from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets
 from povgen.settings import Sampling
@@ -51,6 +52,7 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     else:
         for file, png in used(text).items():
             save(png, output.parent / file)
-        for number, table in enumerate(made.ray_tables(Sampling(**sampling).size)):
+        tables = made.ray_tables(Sampling(**sampling).size) if isinstance(made, Room) else ()
+        for number, table in enumerate(tables):
             save(table, output.parent / f"{rays}{number}.inc")
         save(text.encode(), output)
