@@ -18,6 +18,7 @@ from povgen.optics.rays import Bundle as Bundle
 from povgen.record import info as info
 from povgen.rendering.auto import cheapest as cheapest
 from povgen.rendering.results import results as results
+from povgen.scene.pupil import best_focus as best_focus
 from povgen.scene.quantities import mtf as mtf
 from povgen.scene.room import Eye as Eye
 from povgen.scene.room import Room as Room

@@ -155,10 +155,13 @@ def _moved(scene: Scene, moved: dict[str, Any]) -> Scene:
 
 def _label(scene: Scene) -> str:
     """Return what a screen reader says of the view."""
+    if isinstance(scene, Room):
+        things = ", ".join(name for name in scene.things if name not in scene.named_openings)
+        sheets = ", ".join(sheet.title for sheet in scene.sheets)
+        return f"A room with {things or 'no objects'}; windows with: {sheets or 'none'}. Arrow keys move the eye."
     objects = ", ".join(map(str, pieces(scene))) or scene.name
     sheets = ", then ".join(sheet.title for sheet in scene.sheets)
-    shift = "" if isinstance(scene, Room) else "; with Shift they change alpha"
-    return f"{objects}, seen through: {sheets}. Arrow keys move the eye{shift}."
+    return f"{objects}, seen through: {sheets}. Arrow keys move the eye; with Shift they change alpha."
 
 
 def _checked(scene: object) -> Scene:

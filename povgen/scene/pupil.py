@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from povgen.optics.equations import Complexes, Floats
 from povgen.scene.camera import Camera
-from povgen.scene.scene import Scene, object_images, paths
+from povgen.scene.scene import Scene, checked_scene, object_images, paths
 from povgen.scene.scenes import AxialScene
 
 # Steps of numbers between 0 and 1 that fill a square evenly, however many they are: powers of the root of x^5 = x + 1
@@ -37,6 +37,15 @@ def nearness(scene: Scene) -> float:
     """
     found = best_nearness(scene) if scene.focus == "best" else 1 / scene.focus
     return found if np.isfinite(found) else 1 / distance(scene.camera)
+
+
+def best_focus(scene: Scene) -> float:
+    """Return the distance from the eye, tiles, along its line of sight, that blurs the first object seen least.
+
+    It is infinite for light that runs together behind the eye, and NaN if no object has an image.
+    """
+    near = best_nearness(checked_scene(scene))
+    return 1 / near if near else float("inf")
 
 
 def best_nearness(scene: Scene) -> float:

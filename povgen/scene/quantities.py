@@ -224,7 +224,7 @@ QUANTITIES = {
     ),
     "stray": Quantity(_stray, "", "share of these rays that leave on the far side, on other paths, 0 to 1"),
     "best_focus": Quantity(
-        lambda scene: 1 / near if (near := pupil.best_nearness(scene)) else np.inf,
+        pupil.best_focus,
         "tiles",
         "distance from the eye at which an eye with a pupil sees the object most sharply",
     ),

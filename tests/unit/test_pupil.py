@@ -5,7 +5,7 @@ from math import factorial
 import numpy as np
 import pytest
 
-from povgen import Chess, Eye, Piece, Room, Sphere, Spheres, Window, mtf, results
+from povgen import Chess, Eye, Piece, Room, Sphere, Spheres, Window, best_focus, mtf, results
 from povgen.optics import equations
 from povgen.scene import pupil
 
@@ -65,7 +65,7 @@ def test_at_0_and_180_degrees_things_can_be_in_focus_and_a_real_image_before_the
 def test_a_room_is_focused_on_its_first_object_that_is_seen():
     window, far = Window(alpha=90), Piece(z=2, y=-0.5)
     preset, room = Chess(sheet="ideal", alpha=90), Room([window, Sphere(x=99, z=-20), far])
-    assert pupil.best_nearness(room) == pytest.approx(pupil.best_nearness(preset))
+    assert best_focus(room) == pytest.approx(best_focus(preset)) == pytest.approx(6 + 2 / 3)
     assert pupil.nearness(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
 
 
