@@ -28,6 +28,9 @@ WORDS = {
 }
 
 
+HIDDEN = {name for name in dir(BaseModel) if not name.startswith("_")} - {"model_dump"}
+
+
 class Model(BaseModel):
     """Values that a user gave. They never change; variants are copies.
 
@@ -53,6 +56,10 @@ class Model(BaseModel):
                 yield name, value
 
     __str__ = BaseModel.__repr__
+
+    def __dir__(self) -> list[str]:
+        """Return the names that a notebook proposes: povgen's own, without those of pydantic."""
+        return sorted({*super().__dir__()} - HIDDEN)
 
     def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]
         """Return an iterator over the fields' names and values. The class makes an equal model from dict(model)."""

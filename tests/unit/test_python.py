@@ -271,3 +271,10 @@ def test_a_path_in_the_users_home(tmp_path, monkeypatch):
 def test_what_a_room_cannot_be(make, words):
     with pytest.raises(InputError, match=words):
         make()
+
+
+def test_a_notebook_proposes_povgens_own_names():
+    for model in (Chess(), Rendering()):
+        names = {name for name in dir(model) if not name.startswith("_")}
+        assert {"replace", "model_dump", "size" if isinstance(model, Rendering) else "alpha"} <= names
+        assert not names & {"model_construct", "parse_obj", "schema", "copy", "json", "dict"}
