@@ -8,7 +8,7 @@ from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import File, as_png
 from povgen.optics.rays import Opening
 from povgen.scene import shader
-from povgen.scene.pupil import nearness
+from povgen.scene.pupil import vergence
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, pieces
@@ -34,7 +34,7 @@ def values(scene: Scene) -> dict[str, Any]:
     return found | {
         "name": scene.name,
         "pupil": scene.pupil,
-        "nearness": nearness(scene),
+        "vergence": vergence(scene) if scene.pupil else 0,
         "rim": scene.rim,
         "faces": max_trace_level(scene),
         "pictures": pictures,

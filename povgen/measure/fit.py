@@ -52,14 +52,17 @@ def fit(
         raise InputError(
             f"places, seen: arrays of the shapes {points.shape} and {marked.shape}; allowed: (n, 2) or (n, 3), (n, 2)"
         )
-    least = len(names) + (noise is None)
-    if not names or marked.size < least:
-        raise InputError(f"free: {len(names)} for {marked.size} coordinates; allowed: 1 to {max(0, marked.size - 1)}")
+    most = marked.size - (noise is None)
+    if not 1 <= len(names) <= most:
+        raise InputError(f"free: {len(names)} for {marked.size} coordinates; allowed: 1 to {most}")
     if "z1" in names and points.shape[1] == 3:
         raise InputError("free: z1, which places state; allowed: one of them")
 
+    def named(values: Floats) -> dict[str, float]:
+        return dict(zip(names, values.tolist(), strict=True))
+
     def off(values: Floats) -> Floats:
-        changed = _with(scene, dict(zip(names, values.tolist(), strict=True)))
+        changed = _with(scene, named(values))
         z1 = points[:, 2] if points.shape[1] == 3 else changed.distances[0]
         found = np.asarray(changed.apparent_position(points[:, 0] + 1j * points[:, 1], z1))
         return np.stack((found.real, found.imag), -1).ravel() - marked.ravel()
@@ -72,17 +75,17 @@ def fit(
     variance = noise**2 if noise is not None else left @ left / (left.size - len(names))
     spread = size[:, None] * combinations.T / np.where(unknown, np.inf, accuracy)
     covariance = variance * spread @ spread.T
-    both = sorted({names[k] for row in combinations[unknown] for k in np.flatnonzero(abs(row) > 0.1)}, key=names.index)
-    lost = [name in both for name in names]
+    lost = (abs(combinations[unknown]) > 0.1).any(0)
     covariance[lost] = covariance[:, lost] = np.nan
     covariance[lost, lost] = np.inf
+    alike = ", ".join(name for name, is_lost in zip(names, lost, strict=True) if is_lost)
     return Fit(
-        _with(scene, dict(zip(names, values.tolist(), strict=True))),
-        dict(zip(names, values.tolist(), strict=True)),
-        dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
+        _with(scene, named(values)),
+        named(values),
+        named(np.sqrt(np.diag(covariance))),
         covariance,
         float(np.sqrt(2 * np.mean(left**2))),
-        f"the points do not tell these apart: {', '.join(both)}" if both else "",
+        alike and f"the points do not tell these apart: {alike}",
     )
 
 

@@ -1,6 +1,5 @@
 """A drawing of a scene in space: its windows, its objects, the eye, and rays of light."""
 
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +7,13 @@ from numpy.typing import NDArray
 
 from povgen.errors import input_errors
 from povgen.files import checked_output
-from povgen.inputs.fields import PictureSize
 from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn
 from povgen.optics.rays import Traced
 from povgen.optics.trace import End
 from povgen.scene.scene import Scene, checked_scene
 
 SIZE = (9, 6)  # inches
+ZOOM = 1.2  # so that the drawing fills the picture
 RAYS = (11, 8)  # from the eye, across the picture and upwards
 OBJECT, DESIGNED, STRAY = "#b58900", IDEAL, GREY
 FARTHEST = 4  # what is farther from the eye than this multiple of the windows' distance is left out
@@ -31,41 +30,40 @@ def draw(
     for a while. The drawing is seen from this azimuth and elevation, degrees: -90 and 0 are from the side, with z to
     the right. Raises InputError for a file that cannot be written, for rays without paths, and without matplotlib.
     """
-    target = checked_output(output, [".png", ".svg"])
+    scene, target = checked_scene(scene), checked_output(output, [".png", ".svg"])
     if traced is not None and not traced.corners.shape[-2]:
         raise ValueError("traced: the paths were not kept; allowed: rays of trace(..., path=True)")
-    found = checked_scene(scene).trace(scene.rays(PictureSize(size=RAYS).size), path=True) if traced is None else traced
+    found = scene.trace(scene.rays(RAYS), path=True) if traced is None else traced
     eye = np.array(scene.camera.eye)
     edges = [opening.edge for opening in scene.openings]
     far = FARTHEST * max((float(np.linalg.norm(edge.mean(0) - eye)) for edge in edges), default=10.0)
-    solids = [
-        each.corners for each in scene.contents if np.linalg.norm(each.pose.place - eye) < far and np.ptp(each.box)
-    ]
-    everything = np.concatenate([eye[None], *edges, *solids])
-    low, high = everything.min(0), everything.max(0)
+    solid = [each for each in scene.contents if np.ptp(each.box)]
+    boxes = [each.edges for each in solid if np.linalg.norm(each.pose.place - eye) < far]
+    everything = np.concatenate([eye[None], *edges, *boxes])
+    length = 0.3 * float(np.linalg.norm(np.ptp(everything, axis=0)))
     with drawn(*SIZE, target) as figure:
         axes = figure.add_subplot(projection="3d")
 
         def line(points: NDArray[np.float64], colour: str, width: float = 1) -> None:
             axes.plot(points[:, 2], -points[:, 0], points[:, 1], color=colour, linewidth=width)
 
-        for corners in solids:
-            for a, b in combinations(range(8), 2):
-                if (a ^ b).bit_count() == 1:
-                    line(corners[[a, b]], OBJECT)
+        for box in boxes:
+            line(box, OBJECT)
         for edge in edges:
             line(edge, PRISMS, 2)
-        length = 0.3 * float(np.linalg.norm(high - low))
         corners, ways = found.corners.reshape(-1, *found.corners.shape[-2:]), found.direction.reshape(-1, 3)
         for path, way, designed, end in zip(corners, ways, found.designed.flat, found.end.flat, strict=True):
             path = path[np.isfinite(path[:, 0])]
-            goes_on = end in (End.THROUGH, End.BACK, End.BESIDE)
-            line(
-                np.vstack((path, *([path[-1] + length * way] if goes_on else []))), DESIGNED if designed else STRAY, 0.8
-            )
+            if end in (End.THROUGH, End.BACK, End.BESIDE):
+                path = np.vstack((path, path[-1] + length * way))
+            line(path, DESIGNED if designed else STRAY, 0.8)
         axes.plot(*eye[[2]], *-eye[[0]], *eye[[1]], "o", color="black")
-        axes.set(xlabel="z, tiles", ylabel="−x, tiles", zlabel="y, tiles")
+        axes.set_xlabel("z, tiles", labelpad=12)
+        axes.set(ylabel="−x, tiles", zlabel="y, tiles")
         axes.set_aspect("equal")
+        axes.set_box_aspect(np.ptp([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()], axis=1), zoom=ZOOM)
         axes.locator_params(axis="y", nbins=4)
         axes.view_init(elevation, azimuth)
+        if abs(np.cos(np.radians(azimuth))) + abs(np.sin(np.radians(elevation))) < 0.1:  # the axis is seen from its end
+            axes.set(yticks=[], ylabel="")
     return target

@@ -8,6 +8,7 @@ from pydantic import Field
 from povgen.optics.pose import Floats, Pose
 from povgen.validation import Model
 
+_LINE = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4]  # corners of a box: the bits say which end along x, y and z
 Extent = tuple[tuple[float, float, float], tuple[float, float, float]]
 Coordinate = Annotated[float, Field(ge=-10_000, le=10_000)]
 Turn = Annotated[float, Field(ge=-3600, le=3600)]
@@ -38,8 +39,8 @@ class Placed(Model):
         raise NotImplementedError
 
     @property
-    def corners(self) -> Floats:
-        """The corners of the box in the scene, (8, 3). Two that differ in one bit of their number share an edge."""
+    def edges(self) -> Floats:
+        """A line along all edges of the box, in the scene: its corners, (16, 3)."""
         lower, upper = np.array(self.box)
-        own = np.array([np.where([n & 1, n & 2, n & 4], upper, lower) for n in range(8)])
+        own = np.array([np.where([n & 1, n & 2, n & 4], upper, lower) for n in _LINE])
         return np.asarray(own @ self.pose.axes + self.pose.place)

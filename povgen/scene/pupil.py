@@ -2,9 +2,9 @@
 
 Light of a point enters the pupil in directions that change linearly with the place in the pupil, x + iy: the change of
 slope is A times the change of place, a matrix (2, 2) whose unit is 1 / tile. A point at the distance d has A = -1/d. An
-eye that is focused at the distance f adds 1/f. Behind a sheet that rotates light by alpha, A is the rotation and
-scaling by -1/Z, where Z = z2 + exp(i alpha) z1 is the complex depth of docs/beyond.md. No f makes A + 1/f zero, unless
-Z is real.
+eye that is focused at the distance f adds 1/f, which is called its vergence here. Behind a sheet that rotates light by
+alpha, A is the rotation and scaling by -1/Z, where Z = z2 + exp(i alpha) z1 is the complex depth of docs/beyond.md. No
+f makes A + 1/f zero, unless Z is real.
 """
 
 from collections.abc import Sequence
@@ -30,12 +30,12 @@ def places(count: int) -> Complexes:
     return np.asarray(np.sqrt(radius) * np.exp(2j * np.pi * turn))
 
 
-def nearness(scene: Scene) -> float:
-    """Return 1 / the distance at which the scene's eye is sharp, 1 / tile: 0 for infinity.
+def vergence(scene: Scene) -> float:
+    """Return the vergence of the scene's eye, 1 / the distance at which it is sharp, 1 / tile: 0 for infinity.
 
     The distance is along the normal of the picture's plane. Where there is no best one, it is that of this plane.
     """
-    found = best_nearness(scene) if scene.focus == "best" else 1 / scene.focus
+    found = best_vergence(scene) if scene.focus == "best" else 1 / scene.focus
     return found if np.isfinite(found) else 1 / distance(scene.camera)
 
 
@@ -44,12 +44,12 @@ def best_focus(scene: Scene) -> float:
 
     It is infinite for light that runs together behind the eye, and NaN if no object has an image.
     """
-    near = best_nearness(checked_scene(scene))
-    return 1 / near if near else float("inf")
+    vergence = best_vergence(checked_scene(scene))
+    return 1 / vergence if vergence else float("inf")
 
 
-def best_nearness(scene: Scene) -> float:
-    """Return 1 / the distance that blurs the scene's first object least, 1 / tile; NaN if it has no image.
+def best_vergence(scene: Scene) -> float:
+    """Return the vergence of the eye that blurs the scene's first object least, 1 / tile; NaN if it has no image.
 
     An eye cannot focus on light that runs together before it enters the eye: the best distance is then infinity, 0.
     """
@@ -61,12 +61,12 @@ def distance(camera: Camera) -> float:
     return float(np.subtract(camera.middle, camera.eye) @ np.cross(camera.right, camera.up))
 
 
-def rms(change: ArrayLike, pupil: float, nearness: ArrayLike) -> Floats:
+def rms(change: ArrayLike, pupil: float, vergence: ArrayLike) -> Floats:
     """Return the RMS angle by which a pupil of this diameter, tiles, blurs a point, radians.
 
-    `change` (..., 2, 2) is A, and `nearness` is 1 / the distance at which the eye is sharp. For small angles.
+    `change` (..., 2, 2) is A, and `vergence` is that of the eye. For small angles.
     """
-    off = np.asarray(change) + np.asarray(nearness)[..., None, None] * np.eye(2)
+    off = np.asarray(change) + np.asarray(vergence)[..., None, None] * np.eye(2)
     return np.asarray(pupil / 4 * np.sqrt((off**2).sum((-2, -1))))
 
 
@@ -125,5 +125,5 @@ def eyes(scene: Scene, jitter: ArrayLike, pixel: float) -> list[Scene]:
     if not scene.pupil:
         return [scene]
     aside = scene.pupil / 2 * places(len(np.atleast_1d(jitter)))
-    moved = aside * (1 - distance(scene.camera) * nearness(scene)) + pixel * np.asarray(jitter)
+    moved = aside * (1 - distance(scene.camera) * vergence(scene)) + pixel * np.asarray(jitter)
     return [scene.seen_from(complex(place), complex(step)) for place, step in zip(aside, moved, strict=True)]

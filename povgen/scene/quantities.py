@@ -144,7 +144,7 @@ def entering(scene: AxialScene) -> Entering:
         """Return the slopes that make up for places beside the point."""
         return np.asarray((b * places.conj() - a.conjugate() * places) / size)
 
-    by_pupil = missed(basis[:, 3:] @ fitted[3:]) + aside * pupil.nearness(scene)
+    by_pupil = missed(basis[:, 3:] @ fitted[3:]) + aside * pupil.vergence(scene)
     return Entering(by_pupil, missed(place - basis @ fitted))
 
 
@@ -229,7 +229,7 @@ QUANTITIES = {
         "distance from the eye at which an eye with a pupil sees the object most sharply",
     ),
     "pupil_blur": Quantity(
-        lambda scene: float(pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.nearness(scene)) / ARCMINUTE),
+        lambda scene: float(pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.vergence(scene)) / ARCMINUTE),
         "arcminutes",
         "RMS blur of a point by the pupil, at `focus`, as the prediction says",
     ),

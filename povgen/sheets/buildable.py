@@ -26,8 +26,8 @@ class Buildable(NamedTuple):
         return f"{self.parts}: {self.reason} ({self.page})"
 
 
-DEEPER = "docs/sheets.md#real-prisms---sheet-detailed"
-OTHERS = "docs/beyond.md#other-ideal-sheets"
+PRISMS_PAGE = "docs/sheets.md#real-prisms---sheet-detailed"
+LAWS_PAGE = "docs/beyond.md#other-ideal-sheets"
 
 
 def judged(bend: Callable[..., Any], half: float) -> Buildable:
@@ -43,7 +43,7 @@ def judged(bend: Callable[..., Any], half: float) -> Buildable:
     before = np.broadcast_to(before / np.linalg.norm(before, axis=-1, keepdims=True), (PLACES, RAYS, 3))
     after = bend(before, np.broadcast_to(x + 1j * y, (PLACES, RAYS)))
     if not np.isfinite(after).any():
-        return Buildable("nothing known", "no light passes", OTHERS)
+        return Buildable("nothing known", "no light passes", LAWS_PAGE)
     passes = np.isfinite(after[..., 0]).all()
     turns, off = _linear(before[..., :2], after[..., :2])
     kept = np.nanmax(abs(after[..., 2] - before[..., 2]))
@@ -60,7 +60,7 @@ def judged(bend: Callable[..., Any], half: float) -> Buildable:
             "near the normal lenslets come close to a law that is smooth there"
         )
     )
-    return Buildable("nothing known", said, OTHERS)
+    return Buildable("nothing known", said, LAWS_PAGE)
 
 
 def _linear(before: Any, after: Any, shifted: bool = False) -> tuple[Any, float]:  # noqa: ANN401
@@ -91,10 +91,10 @@ def _prisms(turns: Any) -> Buildable:  # noqa: ANN401
     one = "a sheet of Dove prisms mirrors" if mirrors.all() else "two sheets of Dove prisms turn"
     if np.ptp(turns, axis=0).max() > ENOUGH:
         said = f"{one} light by what depends on the place: their ridges have to curve, or to come in patches"
-        return Buildable("prisms that change with the place", said, OTHERS)
+        return Buildable("prisms that change with the place", said, LAWS_PAGE)
     if abs(turns[0] - np.eye(2)).max() < ENOUGH:
-        return Buildable("straight prisms", "it changes nothing, and needs none", DEEPER)
-    return Buildable("straight prisms", f"{one} light so, everywhere alike", DEEPER)
+        return Buildable("straight prisms", "it changes nothing, and needs none", PRISMS_PAGE)
+    return Buildable("straight prisms", f"{one} light so, everywhere alike", PRISMS_PAGE)
 
 
 def _lenses(maps: Any, curl: float) -> Buildable:  # noqa: ANN401
@@ -103,11 +103,11 @@ def _lenses(maps: Any, curl: float) -> Buildable:  # noqa: ANN401
     The curl is the greatest of the shift, as a field of slopes over the sheet.
     """
     if np.ptp(maps[..., :2], axis=0).max() > ENOUGH:
-        return Buildable("nothing known", "it multiplies the slope by what depends on the place", OTHERS)
+        return Buildable("nothing known", "it multiplies the slope by what depends on the place", LAWS_PAGE)
     matrix, shift = maps[0, :, :2], maps[:, :, 2]
     left, sizes, right = np.linalg.svd(matrix)
     if sizes[1] < ENOUGH:
-        return Buildable("nothing known", "it brings different slopes together", OTHERS)
+        return Buildable("nothing known", "it brings different slopes together", LAWS_PAGE)
     moves, depends = abs(shift).max() > ENOUGH, np.ptp(shift, axis=0).max() > ENOUGH
     parts, reasons = [], []
     if abs(sizes - 1).max() > ENOUGH:
@@ -128,4 +128,4 @@ def _lenses(maps: Any, curl: float) -> Buildable:  # noqa: ANN401
         else:
             parts.append("a lens" if depends else "a wedge")
             reasons.append("what it adds to the slope has no curl: one surface makes it, for small angles")
-    return Buildable(" and ".join(parts), "; ".join(reasons), OTHERS)
+    return Buildable(" and ".join(parts), "; ".join(reasons), LAWS_PAGE)

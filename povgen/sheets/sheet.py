@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from povgen.optics import faces
 from povgen.optics.paraxial import Matrix
-from povgen.sheets.buildable import DEEPER, Buildable, judged
+from povgen.sheets.buildable import PRISMS_PAGE, Buildable, judged
 from povgen.sheets.law_grammar import Law
 
 Kind = Literal["number", "whole number", "direction", "choice", "glass", "text", "table", "profile"]
@@ -119,7 +119,7 @@ class Sheet:
     def buildable(self) -> Buildable:
         """Return what is known to do what the sheet does: prisms, lenses or nothing, with the reason."""
         number = "one sheet" if self.layers == 1 else "two sheets"
-        return Buildable("as it is", f"it is {number} of glass", DEEPER)
+        return Buildable("as it is", f"it is {number} of glass", PRISMS_PAGE)
 
     @property
     def is_exact(self) -> bool:

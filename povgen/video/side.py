@@ -32,7 +32,6 @@ LIGHT, BESIDE, RAY = (255, 196, 120), (190, 134, 76), (110, 116, 128)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 OTHER = (130, 135, 145)  # objects without a point, such as pedestals
 EYE = ((1, 1, (255, 255, 255)), (0.55, 0.55, (60, 110, 170)), (0.45, 0.3, (10, 10, 14)))  # discs: place, radius, colour
-BOX = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4]  # a line through the corners of a box, along all its edges
 
 Colour = tuple[int, int, int]
 
@@ -293,12 +292,11 @@ def _light(scene: Scene, sources: Sequence[Floats]) -> Iterator[tuple[Colour, Fl
 
 def _object(each: SceneObject) -> Thing:
     """Return what stands for an object: for a piece an arrow, for a sphere a disc, for any other one its box."""
-    (lower, upper), is_mark = np.array(each.box), isinstance(each, (Piece, Sphere))
-    own = np.array([np.where([n & 1, n & 2, n & 4], upper, lower) for n in BOX])
+    points, is_mark = each.edges, isinstance(each, (Piece, Sphere))
     if is_mark:
-        height = 0 if isinstance(each, Sphere) else ARROW if isinstance(each.shape, PieceFile) else upper[1]
-        own = np.array([[0, 0, 0], [0, height, 0], [upper[0], 0, 0]])
-    points = own @ each.pose.axes + each.pose.place
+        width, tall, _ = each.box[1]
+        height = 0 if isinstance(each, Sphere) else ARROW if isinstance(each.shape, PieceFile) else tall
+        points = np.array([[0, 0, 0], [0, height, 0], [width, 0, 0]]) @ each.pose.axes + each.pose.place
     if each.point is None:
         return Thing("", points, OTHER)
     return Thing(each.name or each.called, points, OBJECT, is_mark, points[1] if is_mark else each.point)

@@ -66,7 +66,7 @@ def test_a_room_is_focused_on_its_first_object_that_is_seen():
     window, far = Window(alpha=90), Piece(z=2, y=-0.5)
     preset, room = Chess(sheet="ideal", alpha=90), Room([window, Sphere(x=99, z=-20), far])
     assert best_focus(room) == pytest.approx(best_focus(preset)) == pytest.approx(6 + 2 / 3)
-    assert pupil.nearness(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
+    assert pupil.vergence(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
 
 
 def test_mtf_is_that_of_a_disc():
