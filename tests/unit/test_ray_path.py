@@ -72,7 +72,7 @@ def test_a_drawing_in_space_has_the_windows_the_objects_and_the_rays(tmp_path):
         draw(each, tmp_path / "a.svg", each.trace(Bundle((0, 0, -6), rays), path=True)).read_text().count("<path")
         for each in rooms
     ]
-    assert lines[1] - lines[0] >= 13  # an outline and the edges of a box
+    assert lines[1] - lines[0] >= 2  # an outline, and the edges of a box in one line
     found = PRISMS.trace(PRISMS.pencil((0, 0, 2), 5), path=True)
     few, many = (draw(PRISMS, tmp_path / f"{k}.svg", found[:k]).read_text() for k in (1, 5))
     assert many.count("<path") - few.count("<path") >= 4
