@@ -56,7 +56,7 @@ export function uniforms(scene, { names, places }) {
     viewUp: up,
     viewHeight: height,
     pupil: scene.pupil / 2,
-    outOfFocus: scene.pupil ? 1 - scene.vergence * distance(camera(scene)) : 0,
+    outOfFocus: scene.pupil ? 1 - scene.inverse_focus * distance(camera(scene)) : 0,
     background: BACKGROUNDS[scene.background],
     frameRim: scene.rim,
     hasFloor: ground !== null,

@@ -8,7 +8,7 @@ from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import File, as_png
 from povgen.optics.rays import Opening
 from povgen.scene import shader
-from povgen.scene.pupil import vergence
+from povgen.scene.pupil import inverse_focus
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, pieces
@@ -34,7 +34,7 @@ def values(scene: Scene) -> dict[str, Any]:
     return found | {
         "name": scene.name,
         "pupil": scene.pupil,
-        "vergence": vergence(scene) if scene.pupil else 0,
+        "inverse_focus": inverse_focus(scene) if scene.pupil else 0,
         "rim": scene.rim,
         "faces": max_trace_level(scene),
         "pictures": pictures,

@@ -12,8 +12,8 @@ from povgen.scene.scenes import AxialScene, checked_axial
 
 STEPS = 60  # of the search, at most
 _STEP = 1e-6  # of a parameter for derivatives, as a part of its size, or of 1
-SAME = 1e-4  # the least ratio of a combination's accuracy to that of the best known one; below, none of it is known
-Off = Callable[[Floats], Floats]  # from parameters to what is left: predicted minus marked coordinates
+SAME = 1e-4  # singular values below this part of the greatest one count as 0
+Off = Callable[[Floats], Floats]  # from parameters to the residuals: predicted minus marked coordinates
 PARTS = {"eye_x": ("eye", 0), "eye_y": ("eye", 1), "look_x": ("look", 0), "look_y": ("look", 1)}
 
 
@@ -23,9 +23,9 @@ class Fit(NamedTuple):
     scene: AxialScene  # with these parameters
     values: Mapping[str, float]
     errors: Mapping[str, float]  # standard errors
-    covariance: Floats  # (parameters, parameters); infinite variances where the points do not tell parameters apart
+    covariance: Floats  # (parameters, parameters); infinite variances where the points do not determine a parameter
     rms: float  # of the distances between marked and predicted points, tiles
-    warning: str  # which parameters the points do not tell apart; empty if they do
+    warning: str  # which parameters the points do not determine; empty if they determine all
 
 
 @input_errors()
@@ -36,12 +36,12 @@ def fit(
     free: Sequence[str] = ("alpha", "z1"),
     noise: float | None = None,
 ) -> Fit:
-    """Return the parameters `free` of a scene with which points are predicted where they are `seen`.
+    """Return the parameters `free` for which the points are predicted nearest to where they are `seen`: least squares.
 
     `places` (n, 2) are the x and y of points at the scene's z1, or (n, 3) with z1 of each point: its distance behind
     the last window. `seen` (n, 2) is where the eye sees them in the plane of the first window. All are in tiles, from
     the window's centre, to the right and up. The other parameters are the scene's, which also says where the search
-    starts. `noise` is the standard deviation of a marked coordinate, tiles; without it, it follows from what is left
+    starts. `noise` is the standard deviation of a marked coordinate, tiles; without it, it follows from the residuals
     (so there must be more coordinates than parameters). The prediction is `apparent_position`. Raises InputError for
     parameters that are no numbers of the scene, for too few points, and if the search finds nothing.
     """
@@ -85,12 +85,12 @@ def fit(
         named(np.sqrt(np.diag(covariance))),
         covariance,
         float(np.sqrt(2 * np.mean(left**2))),
-        alike and f"the points do not tell these apart: {alike}",
+        alike and f"the points do not determine: {alike}",
     )
 
 
 def _found(off: Off, start: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the parameters of least squares, what is left, and its derivatives. The method is Levenberg-Marquardt."""
+    """Return the parameters of least squares, the residuals and their derivatives: the Levenberg-Marquardt method."""
     values, left, damping = start, off(start), 1e-3
     if not np.isfinite(left).all():
         raise InputError("seen: for the scene's own parameters a point appears nowhere; allowed: other parameters")

@@ -26,9 +26,10 @@ def draw(
     """Draw the scene in space with rays of light, to scale, and write it to a .png or .svg file. Return its path.
 
     `traced` are rays whose paths were kept: `scene.trace(rays, path=True)`. Without them, they are rays from the eye
-    through a grid of points of the picture. Rays on the designed path are red, others grey. A ray that leaves goes on
-    for a while. The drawing is seen from this azimuth and elevation, degrees: -90 and 0 are from the side, with z to
-    the right. Raises InputError for a file that cannot be written, for rays without paths, and without matplotlib.
+    through a grid of points of the picture. Rays on the designed path are red, others grey. A ray that leaves is
+    extended by 0.3 of the scene's size. The drawing is seen from this azimuth and elevation, degrees: -90 and 0 are a
+    side view, with z to the right. Raises InputError for a file that cannot be written, for rays without paths, and
+    without matplotlib.
     """
     scene, target = checked_scene(scene), checked_output(output, [".png", ".svg"])
     if traced is not None and not traced.corners.shape[-2]:

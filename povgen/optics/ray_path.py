@@ -71,9 +71,9 @@ def length(corners: Floats, media: Floats, met: Indices) -> Floats:
 def jones(corners: Floats, media: Floats, met: Indices) -> Complexes:
     """Return the Jones matrices (..., 2, 2) of rays: what the faces that they meet do to the light's field.
 
-    Axes and phases are those of `polarisation`: a square is a power, and the phase of the path in glass is left out. A
-    face refracts or reflects as its ray does; a face that could do both reflects or passes a part. NaN for rays that
-    pass an ideal sheet.
+    Axes and phases are those of `polarisation`. The square of an amplitude is a power. The phase of the path in glass
+    is left out. At a face that reflects a part of the light, the amplitude is that of the ray's own branch. NaN for
+    rays that pass an ideal sheet.
     """
     step = np.diff(corners, axis=-2)
     size = np.linalg.norm(step, axis=-1, keepdims=True)

@@ -69,7 +69,7 @@ export function moment() {
   now.P = equations.P(r, alpha);
   now.place = markedPosition(now);
   Object.assign(now, appearance(now), focusing(now));
-  scene.vergence = 1 / now.focus;
+  scene.inverse_focus = 1 / now.focus;
   // whether the line of sight to L through the first window misses the second one
   now.beside = !(now.M > NEAR_POLE) && !outside(now.place, scene) && isBesideSecond(now, now.place);
   // Near the pole, where M is infinite, the window shows a small part of the object's plane: its width is `seen`.

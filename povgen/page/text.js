@@ -81,7 +81,7 @@ function remarks(now) {
 // By how much the pupil blurs the object, and whether another focus makes it sharp.
 function blurSaid(now) {
   const { scene, best, focus, z1 } = now;
-  const [blur, least] = [scene.vergence, best].map((near) => `${fixed(pupilBlur(now, near) / radians(1 / 60), 1)}′`), none = `${fixed(0, 1)}′`;
+  const [blur, least] = [scene.inverse_focus, best].map((near) => `${fixed(pupilBlur(now, near) / radians(1 / 60), 1)}′`), none = `${fixed(0, 1)}′`;
   const sentence = least !== none ? "always" : blur !== none ? "now" : "not";
   return say(`seen.blurred_${sentence}`, { thing: thingAt(z1), blur, focus: tilesText(focus), best: tilesText(1 / best) });
 }

@@ -59,7 +59,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     )
     look: Point = Field(
         default=(0, 0),
-        description="the point X,Y of the plane of the sheets in the middle of the picture, -10 to 10 tiles",
+        description="X,Y of the point in the picture's middle, in the plane of the sheets, -10 to 10 tiles",
     )
     if TYPE_CHECKING:  # the names of changes are those of the parameters
 

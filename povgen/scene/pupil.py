@@ -1,10 +1,10 @@
-"""An eye with a pupil: where in the pupil it looks from, at which distance it is sharp, and how much it blurs.
+"""An eye with a pupil: sample points in the pupil, the distance of its focus, and the blur.
 
-Light of a point enters the pupil in directions that change linearly with the place in the pupil, x + iy: the change of
-slope is A times the change of place, a matrix (2, 2) whose unit is 1 / tile. A point at the distance d has A = -1/d. An
-eye that is focused at the distance f adds 1/f, which is called its vergence here. Behind a sheet that rotates light by
-alpha, A is the rotation and scaling by -1/Z, where Z = z2 + exp(i alpha) z1 is the complex depth of docs/beyond.md. No
-f makes A + 1/f zero, unless Z is real.
+The slope of light that enters the pupil is a linear function of the position in the pupil. The matrix A (2, 2) is the
+derivative of the slope by the position, 1 / tile. For light of a point at the distance d it is -1/d times the identity.
+An eye that is focused at the distance f adds 1/f times the identity. Behind sheets that rotate light by alpha, A is the
+rotation and scaling by -1/Z, with the complex depth Z = z2 + exp(-i alpha) z1 of docs/beyond.md. No f makes A + 1/f
+zero, unless Z is real.
 """
 
 from collections.abc import Sequence
@@ -30,29 +30,26 @@ def places(count: int) -> Complexes:
     return np.asarray(np.sqrt(radius) * np.exp(2j * np.pi * turn))
 
 
-def vergence(scene: Scene) -> float:
-    """Return the vergence of the scene's eye, 1 / the distance at which it is sharp, 1 / tile: 0 for infinity.
+def inverse_focus(scene: Scene) -> float:
+    """Return 1 / the distance of the eye's focus, 1 / tile: 0 for infinity.
 
-    The distance is along the normal of the picture's plane. Where there is no best one, it is that of this plane.
+    The distance is along the normal of the picture's plane. Where there is no best focus, it is that of this plane.
     """
-    found = best_vergence(scene) if scene.focus == "best" else 1 / scene.focus
+    found = _best(scene) if scene.focus == "best" else 1 / scene.focus
     return found if np.isfinite(found) else 1 / distance(scene.camera)
 
 
 def best_focus(scene: Scene) -> float:
-    """Return the distance from the eye, tiles, along its line of sight, that blurs the first object seen least.
+    """Return the distance of the focus, tiles, that blurs the first object least.
 
-    It is infinite for light that runs together behind the eye, and NaN if no object has an image.
+    It is along the normal of the picture's plane. An eye cannot focus light that still converges when it enters: the
+    best focus is then infinite. It is NaN if no object has an image.
     """
-    vergence = best_vergence(checked_scene(scene))
-    return 1 / vergence if vergence else float("inf")
+    found = _best(checked_scene(scene))
+    return 1 / found if found else float("inf")
 
 
-def best_vergence(scene: Scene) -> float:
-    """Return the vergence of the eye that blurs the scene's first object least, 1 / tile; NaN if it has no image.
-
-    An eye cannot focus on light that runs together before it enters the eye: the best distance is then infinity, 0.
-    """
+def _best(scene: Scene) -> float:
     return float(np.maximum(0, -np.trace(light_of_object(scene)) / 2))
 
 
@@ -61,12 +58,12 @@ def distance(camera: Camera) -> float:
     return float(np.subtract(camera.middle, camera.eye) @ np.cross(camera.right, camera.up))
 
 
-def rms(change: ArrayLike, pupil: float, vergence: ArrayLike) -> Floats:
+def rms(change: ArrayLike, pupil: float, inverse_focus: ArrayLike) -> Floats:
     """Return the RMS angle by which a pupil of this diameter, tiles, blurs a point, radians.
 
-    `change` (..., 2, 2) is A, and `vergence` is that of the eye. For small angles.
+    `change` (..., 2, 2) is A, and `inverse_focus` 1 / the distance of the focus. For small angles.
     """
-    off = np.asarray(change) + np.asarray(vergence)[..., None, None] * np.eye(2)
+    off = np.asarray(change) + np.asarray(inverse_focus)[..., None, None] * np.eye(2)
     return np.asarray(pupil / 4 * np.sqrt((off**2).sum((-2, -1))))
 
 
@@ -125,5 +122,5 @@ def eyes(scene: Scene, jitter: ArrayLike, pixel: float) -> list[Scene]:
     if not scene.pupil:
         return [scene]
     aside = scene.pupil / 2 * places(len(np.atleast_1d(jitter)))
-    moved = aside * (1 - distance(scene.camera) * vergence(scene)) + pixel * np.asarray(jitter)
+    moved = aside * (1 - distance(scene.camera) * inverse_focus(scene)) + pixel * np.asarray(jitter)
     return [scene.seen_from(complex(place), complex(step)) for place, step in zip(aside, moved, strict=True)]

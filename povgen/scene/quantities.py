@@ -105,12 +105,11 @@ def traced_image(scene: AxialScene) -> TracedImage:
 class Entering(NamedTuple):
     """Light of a point of the first object that enters the pupil on the designed path, by the ray trace.
 
-    Both are slopes, x + iy, by which single rays miss the direction in which the focused eye sees the point: for small
-    angles these are radians.
+    Both are errors of the slopes of single rays, x + iy, for the focused eye: for small angles these are radians.
     """
 
-    by_pupil: Complexes  # what is linear in the place in the pupil
-    by_prisms: Complexes  # the remainder, which depends on where a ray meets its prisms
+    by_pupil: Complexes  # linear in the position in the pupil: defocus and the like
+    by_prisms: Complexes  # the remainder, from the finite size of the prisms
 
 
 @lru_cache(1)
@@ -144,7 +143,7 @@ def entering(scene: AxialScene) -> Entering:
         """Return the slopes that make up for places beside the point."""
         return np.asarray((b * places.conj() - a.conjugate() * places) / size)
 
-    by_pupil = missed(basis[:, 3:] @ fitted[3:]) + aside * pupil.vergence(scene)
+    by_pupil = missed(basis[:, 3:] @ fitted[3:]) + aside * pupil.inverse_focus(scene)
     return Entering(by_pupil, missed(place - basis @ fitted))
 
 
@@ -153,7 +152,7 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
 
     `frequencies` are in cycles per degree as the eye sees them, of stripes that are perpendicular to `direction`,
     degrees counter-clockwise from x. The pupil and the prisms count, as the ray trace finds; the diffraction of light
-    does not. Through ideal sheets that rotate light it is 2 J1(x) / x, with x = pi * pupil * abs(1/f - 1/Z) * the
+    does not. Through ideal sheets that rotate light it is abs(2 J1(x) / x), with x = pi * pupil * abs(1/f - 1/Z) * the
     frequency in cycles per radian (`povgen.scene.pupil`). NaN if too little light on the designed path shows the
     object. Raises InputError for a room.
     """
@@ -226,18 +225,24 @@ QUANTITIES = {
     "best_focus": Quantity(
         pupil.best_focus,
         "tiles",
-        "distance from the eye at which an eye with a pupil sees the object most sharply",
+        "distance of the focus for which a pupil blurs the object least",
     ),
     "pupil_blur": Quantity(
-        lambda scene: float(pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.vergence(scene)) / ARCMINUTE),
+        lambda scene: float(
+            pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.inverse_focus(scene)) / ARCMINUTE
+        ),
         "arcminutes",
-        "RMS blur of a point by the pupil, at `focus`, as the prediction says",
+        "RMS blur of a point by the pupil, as predicted; a radius, with the parameter focus",
     ),
     "prism_blur": Quantity(
-        lambda scene: _rms_arcmin(entering(scene).by_prisms), "arcminutes", "RMS blur of a point by single prisms"
+        lambda scene: _rms_arcmin(entering(scene).by_prisms),
+        "arcminutes",
+        "the same by the finite size of the prisms, by the ray trace",
     ),
     "seen_blur": Quantity(
-        lambda scene: _rms_arcmin(sum(entering(scene))), "arcminutes", "RMS blur by both, by the ray trace"
+        lambda scene: _rms_arcmin(sum(entering(scene))),
+        "arcminutes",
+        "the same by pupil and prisms together, by the ray trace",
     ),
     "closest": Quantity(
         lambda scene: _convergence(scene).z, "tiles", "z of the plane where the object's light is closest together"

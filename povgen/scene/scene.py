@@ -58,11 +58,11 @@ class Scene(Model):
     )
     pupil: Annotated[float, Field(ge=0, le=5)] = Field(
         default=0,
-        description="diameter of the eye's pupil, up to 5 tiles; 0: a point, which sees all sharply",
+        description="diameter of the eye's pupil, up to 5 tiles; 0: a pinhole, for which all is sharp",
     )
     focus: Annotated[float, Field(gt=0, le=1e6)] | Literal["best"] = Field(
         default="best",
-        description="distance at which the eye sees sharply, up to 1e6 tiles; best: where the first object is sharpest",
+        description="distance of the eye's focus, up to 1e6 tiles; best: that which blurs the first object least",
     )
 
     @classmethod

@@ -17,7 +17,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.optics.rays import Opening
 from povgen.scene.laws import Text, to_live
-from povgen.scene.pupil import distance, vergence
+from povgen.scene.pupil import distance, inverse_focus
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene
 from povgen.scene.survey import Survey, max_trace_level
@@ -129,7 +129,7 @@ def uniforms(
         "viewUp": camera.up,
         "viewHeight": camera.height,
         "pupil": scene.pupil / 2,
-        "outOfFocus": 1 - distance(camera) * vergence(scene) if scene.pupil else 0,
+        "outOfFocus": 1 - distance(camera) * inverse_focus(scene) if scene.pupil else 0,
         "background": BACKGROUNDS.index(scene.background),
         "frameRim": scene.rim,
         "hasFloor": floor is not None,

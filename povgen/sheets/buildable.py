@@ -18,7 +18,9 @@ STEEP = 0.6  # the greatest slope of the rays
 class Buildable(NamedTuple):
     """What can do what a sheet does, and why."""
 
-    parts: str  # straight prisms, prisms that change with the place, a lens, lenslets, or nothing known
+    parts: (
+        str  # optical elements: straight prisms, prisms that change with the place, a lens, lenslets, or nothing known
+    )
     reason: str
     page: str  # of the documentation
 
@@ -90,11 +92,11 @@ def _prisms(turns: Any) -> Buildable:  # noqa: ANN401
     mirrors = np.linalg.det(turns) < 0
     one = "a sheet of Dove prisms mirrors" if mirrors.all() else "two sheets of Dove prisms turn"
     if np.ptp(turns, axis=0).max() > ENOUGH:
-        said = f"{one} light by what depends on the place: their ridges have to curve, or to come in patches"
+        said = f"{one} light by an angle that depends on the place: their ridges have to curve, or to come in patches"
         return Buildable("prisms that change with the place", said, LAWS_PAGE)
     if abs(turns[0] - np.eye(2)).max() < ENOUGH:
         return Buildable("straight prisms", "it changes nothing, and needs none", PRISMS_PAGE)
-    return Buildable("straight prisms", f"{one} light so, everywhere alike", PRISMS_PAGE)
+    return Buildable("straight prisms", f"{one} light in this way, the same everywhere", PRISMS_PAGE)
 
 
 def _lenses(maps: Any, curl: float) -> Buildable:  # noqa: ANN401
@@ -103,11 +105,11 @@ def _lenses(maps: Any, curl: float) -> Buildable:  # noqa: ANN401
     The curl is the greatest of the shift, as a field of slopes over the sheet.
     """
     if np.ptp(maps[..., :2], axis=0).max() > ENOUGH:
-        return Buildable("nothing known", "it multiplies the slope by what depends on the place", LAWS_PAGE)
+        return Buildable("nothing known", "it multiplies the slope by a factor that depends on the place", LAWS_PAGE)
     matrix, shift = maps[0, :, :2], maps[:, :, 2]
     left, sizes, right = np.linalg.svd(matrix)
     if sizes[1] < ENOUGH:
-        return Buildable("nothing known", "it brings different slopes together", LAWS_PAGE)
+        return Buildable("nothing known", "it maps different slopes to one", LAWS_PAGE)
     moves, depends = abs(shift).max() > ENOUGH, np.ptp(shift, axis=0).max() > ENOUGH
     parts, reasons = [], []
     if abs(sizes - 1).max() > ENOUGH:

@@ -288,7 +288,7 @@ def test_what_a_pupil_blurs_is_said(page):
         (-90, 6, "by 19.2′ (arcminutes, RMS), and no focus makes it sharp."),
     ):
         assert said in sentence(page, alpha=alpha, pupil=0.3, focus=focus)
-    eye = "((each) => [each.pupil, each.vergence])(otherScene(moment()))"  # to the right of the curtain
+    eye = "((each) => [each.pupil, each.inverse_focus])(otherScene(moment()))"  # to the right of the curtain
     assert page.evaluate(eye) == [0.3, 1 / 6]
     assert {"p = 0.3", "s = 6"} <= {*page.evaluate("caption(moment())")}
 

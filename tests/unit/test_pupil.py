@@ -35,7 +35,7 @@ def test_what_is_at_the_distance_of_the_focus_does_not_move_with_the_eye(scene):
 @pytest.mark.parametrize("values", [METRE, {"z1": 2, "alpha": 30, "eye": (1, 0.5)}, {"window": "z=2,alpha=70"}])
 def test_a_rotating_sheet_blurs_by_the_closed_form(values):
     scene = Chess(sheet="ideal", pupil=0.04, **values)
-    # docs/beyond.md: Z = z2 + exp(i alpha) ((z of the second window) + exp(i alpha2) z1)
+    # docs/beyond.md: Z = z2 + exp(-i alpha) ((z of the second window) + exp(-i alpha2) z1)
     Z = complex(equations.depth(scene.distances[0], scene.z2, np.radians(scene.alpha), scene.behind))
     table = results([scene, scene.replace(focus=3)], "best_focus", "pupil_blur", "seen_blur", progress=False)
     assert table["best_focus"] == pytest.approx(1 / (1 / Z).real)
@@ -66,7 +66,7 @@ def test_a_room_is_focused_on_its_first_object_that_is_seen():
     window, far = Window(alpha=90), Piece(z=2, y=-0.5)
     preset, room = Chess(sheet="ideal", alpha=90), Room([window, Sphere(x=99, z=-20), far])
     assert best_focus(room) == pytest.approx(best_focus(preset)) == pytest.approx(6 + 2 / 3)
-    assert pupil.vergence(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
+    assert pupil.inverse_focus(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
 
 
 def test_mtf_is_that_of_a_disc():

@@ -64,7 +64,7 @@ def test_an_eye_with_a_pupil_is_focused(page):
     show(page, z1=2)
     page.get_by_label("s: the eye is focused at").press("ArrowRight")
     expect(best).not_to_be_checked()
-    assert page.evaluate("[moment().focus, 1 / moment().scene.vergence]") == [4.17, pytest.approx(4.17)]
+    assert page.evaluate("[moment().focus, 1 / moment().scene.inverse_focus]") == [4.17, pytest.approx(4.17)]
     best.press("Space")
     assert page.evaluate("[state.focus, moment().focus]") == ["best", pytest.approx(4)]
     best.press("Space")
