@@ -10,11 +10,15 @@ import numpy as np
 from povgen import (
     Bundle,
     Chess,
+    Eye,
     InputError,
     Movie,
     MovieSpec,
     Rendering,
+    Room,
+    Sphere,
     Spheres,
+    Window,
     cheapest,
     live,
     movie,
@@ -33,6 +37,9 @@ windows = Chess(window=[{"alpha": 120, "z": 2}], z2=8, alpha=120)
 law = Chess(sheet="law", law="x - k*X*z, y, z", parameter={"k": 0.3}, window="z=2,sheet=none")
 turned = scene.replace(alpha=90)
 alphas: list[float | None] = [turned.alpha, windows.window[0].alpha]
+room = Room([Window(alpha=90), Sphere(z=2)], eye=Eye(z=-6), fresnel=True)
+Room(Window(), wavelenth=500)  # type: ignore[call-arg]
+room.replace(fresnell=True)  # type: ignore[call-arg]
 Chess(alhpa=3)  # type: ignore[call-arg]
 Chess(fresnel=3)  # type: ignore[arg-type]
 scene.replace(alpa=3)  # type: ignore[call-arg]

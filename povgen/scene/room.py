@@ -98,14 +98,21 @@ class Room(Scene):
     window: RoomWindows = Field(default=(), description="a window, such as alpha=90,x=-2,yaw=30; up to 20")
     eye: Annotated[Eye, stated_as(Eye)] = Field(default=Eye(), description="the eye, such as x=1,z=-8,view=4")
 
-    def __init__(self, things: Placed | Iterable[Placed] = (), /, **values: Any) -> None:  # noqa: ANN401
-        """Make a room of objects and windows, or of the lists `object` and `window`."""
-        if not isinstance(things, (Placed, Iterable)):
-            raise InputError(f"things = {shown(things)}: allowed: a list of objects and windows")
-        for thing in [things] if isinstance(things, Placed) else things:
-            name = "window" if isinstance(thing, Window) else "object"
-            values[name] = [*values.get(name, ()), thing]
-        super().__init__(**values)
+    if TYPE_CHECKING:  # the names of values are those of the parameters
+        _listed: Placed | Iterable[Placed] = Field(default=(), kw_only=False)
+
+        @property
+        def replace(self) -> type[Self]: ...
+    else:
+
+        def __init__(self, things: Placed | Iterable[Placed] = (), /, **values: Any) -> None:  # noqa: ANN401
+            """Make a room of objects and windows, or of the lists `object` and `window`."""
+            if not isinstance(things, (Placed, Iterable)):
+                raise InputError(f"things = {shown(things)}: allowed: a list of objects and windows")
+            for thing in [things] if isinstance(things, Placed) else things:
+                name = "window" if isinstance(thing, Window) else "object"
+                values[name] = [*values.get(name, ()), thing]
+            super().__init__(**values)
 
     @cached_property
     def things(self) -> dict[str, Placed]:
