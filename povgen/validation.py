@@ -66,7 +66,7 @@ class Model(BaseModel):
         return ((name, getattr(self, name)) for name in type(self).model_fields)
 
     def __hash__(self) -> int:
-        return hash((type(self), *(_hashable(getattr(self, name)) for name in type(self).model_fields)))
+        return hash((type(self), *(hashable(getattr(self, name)) for name in type(self).model_fields)))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy: with an update, what `replace` returns. Raises InputError."""
@@ -122,11 +122,11 @@ class Model(BaseModel):
         )
 
 
-def _hashable(value: object) -> object:
+def hashable(value: object) -> object:
     """Return something that has a hash, and is equal for equal values. A table's values without a hash are left out."""
     if isinstance(value, Mapping):
         return frozenset((name, x) for name, x in value.items() if isinstance(x, (Real, str)))
-    return tuple(map(_hashable, value)) if isinstance(value, (list, tuple)) else value
+    return tuple(map(hashable, value)) if isinstance(value, (list, tuple)) else value
 
 
 def is_several(value: object) -> TypeGuard[Iterable[Any]]:

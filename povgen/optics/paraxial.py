@@ -34,10 +34,10 @@ FAN, FAN_SIDE = 0.1, 41
 _WIDTH = 61.0  # periods, odd: the width of the sheet through which rays that enter the middle period are traced
 
 
-def free(distance: float) -> Matrix:
-    """Return the matrix of free propagation over a distance."""
-    total = np.eye(5)
-    total[[0, 1], [2, 3]] = distance
+def free(distance: ArrayLike) -> Matrix:
+    """Return the matrix (..., 5, 5) of free propagation over distances (...)."""
+    total = np.broadcast_to(np.eye(5), (*np.shape(distance), 5, 5)).copy()
+    total[..., 0, 2] = total[..., 1, 3] = distance
     return total
 
 

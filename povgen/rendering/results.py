@@ -1,27 +1,33 @@
 """A table of many scenes: their parameters and `scene.quantities`, computed on all cores, or on a cluster."""
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from itertools import islice, product
+from math import prod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
+from povgen.inputs.fields import as_tuple
+from povgen.optics.equations import Floats
 from povgen.progress import bar
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
-from povgen.scene.quantities import QUANTITIES, parameters
+from povgen.rendering.table import Table
+from povgen.scene.quantities import PREDICTED, QUANTITIES, STACKED, parameters, stacked
 from povgen.scene.scene import Scene, checked_scenes
 from povgen.scene.scenes import SCENES, AxialScene, checked_axial
-from povgen.validation import as_flag, is_several
+from povgen.validation import as_flag, hashable, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
 MOST = 200_000  # scenes of a table
 PARTS = 4  # of the scenes, for each of a cluster's calls at once: AHEAD calls for each thread of its workers
 
 Done = Callable[[], object]
+Lists = Mapping[str, list[Any]]  # the values of each parameter that is swept
 
 
 def results(
@@ -30,42 +36,141 @@ def results(
     workers: int | None = None,
     scheduler: str | None = None,
     progress: bool = True,
-) -> dict[str, NDArray[Any]]:
-    """Return a table with a row for each scene, as a dictionary of arrays (n,), such as pandas.DataFrame takes.
+    **swept: Iterable[Any],
+) -> Table:
+    """Return a table with a row for each scene: a dictionary of arrays (n,), such as pandas.DataFrame takes.
 
-    Its columns are the parameters in which the scenes differ, by names such as alpha, eye_x, window2_z and z1_2, and
-    the quantities. `povgen.scene.quantities` says what they are. A parameter with the name of one of these quantities
-    gets the prefix scene_: beside the quantity x, the parameter x is the column scene_x.
+    `results(scene, "nu", alpha=range(180), z1=(1, 2))` is for the scene with all combinations of these values. The last
+    parameter's value changes first. The columns are the parameters in which the scenes differ, by names such as alpha,
+    eye_x, window2_z and z1_2, and the quantities. `povgen.scene.quantities` says what they are. Two columns cannot have
+    one name: beside the quantity x, the parameter x is the column scene_x.
     Lengths are in tiles, angles in degrees. A number that does not exist is NaN, a missing text is empty.
+    `Table.to_xarray` returns the table as a dataset.
 
-    `workers` processes compute at once, by default one for each core. With `scheduler`, the address of a Dask
-    scheduler, its workers compute instead. `progress=False` shows no progress bar. Raises InputError for what is no
-    scene or no quantity, for a room, if no quantity is given, and for `workers` or a `scheduler` that is not allowed.
-    Raises PovrayError if the cluster fails.
+    What equations give for scenes that differ in alpha, z1 and z2 is computed at once. For the rest, `workers`
+    processes compute at once, by default one for each core. With `scheduler`, the address of a Dask scheduler, its
+    workers compute all instead. `progress=False` shows no progress bar. Raises InputError for what is no scene or no
+    quantity, for a room, if no quantity is given, for values that are not allowed or no lists, and for `workers` or a
+    `scheduler` that is not allowed. Raises PovrayError if the cluster fails.
     """
-    checked = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
-    axial = [checked_axial(scene, "a table of quantities") for scene in checked]
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
     if wrong or not quantities:
         what = f"quantity = {shown(wrong[0])}" if wrong else "no quantity"
         raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
     count, scheduler = worker_count(workers) or cores(), checked_scheduler(scheduler)
-    with bar("results", len(axial), not as_flag("progress", progress), "scenes") as done:
-        if scheduler is None:
-            rows = _computed(axial, quantities, count, done)
-        else:
-            rows = _on_cluster(axial, quantities, scheduler, done)
-    given = [parameters(scene) for scene in axial]
-    names = list(dict.fromkeys(name for each in given for name in each))
-    differ = [name for name in names if len({each.get(name) for each in given}) > 1]
-    columns = [f"scene_{name}" if name in quantities else name for name in differ]
-    table = {column: _column([each.get(name) for each in given]) for column, name in zip(columns, differ, strict=True)}
-    return table | {name: np.array([row[n] for row in rows], float) for n, name in enumerate(quantities)}
+    hidden, at_once = not as_flag("progress", progress), PREDICTED.issuperset(quantities) and scheduler is None
+    lists = _lists(swept)
+    if lists:
+        scene = checked_axial(scenes, "a table of quantities")
+        if at_once and (table := _of_sweep(scene, lists, quantities)) is not None:
+            return table
+        scenes = [scene.replace(**dict(zip(lists, values, strict=True))) for values in product(*lists.values())]
+    checked = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
+    axial = [checked_axial(scene, "a table of quantities") for scene in checked]
+    differ = _differing(axial) if axial else []
+    found = np.full((len(axial), len(quantities)), np.nan)
+    left = _predict(axial, differ, quantities, found) if at_once else [*range(len(axial))]
+    if left:
+        some = [axial[n] for n in left]
+        with bar("results", len(some), hidden, "scenes") as done:
+            if scheduler is None:
+                found[left] = _computed(some, quantities, count, done)
+            else:
+                found[left] = _on_cluster(some, quantities, scheduler, done)
+    columns = _columns(axial, differ, lists)
+    return Table(columns, dict(zip(quantities, found.T, strict=True)), axial[0] if axial else None)
 
 
 def values_of(scenes: Sequence[AxialScene], quantities: Sequence[str]) -> list[list[float]]:
     """Return the quantities of each scene."""
-    return [[QUANTITIES[name].of(scene) for name in quantities] for scene in scenes]
+    return [[float(QUANTITIES[name].of(scene)) for name in quantities] for scene in scenes]
+
+
+def _lists(swept: Mapping[str, Iterable[Any]]) -> Lists:
+    """Return the values of each parameter. Raises InputError for one value that is no list, and for too many."""
+    for name, values in swept.items():
+        if not is_several(values):
+            raise InputError(f"{name} = {shown(values)}: should be a list of values; allowed: such as {name}=[...]")
+    lists = {name: [*islice(values, MOST + 1)] for name, values in swept.items()}
+    if empty := [name for name, values in lists.items() if not values]:
+        raise InputError(f"{empty[0]}: no values; allowed: one or more")
+    if (count := prod(map(len, lists.values()))) > MOST:
+        raise InputError(f"{', '.join(lists)}: {count} scenes or more; allowed: up to {MOST}")
+    return lists
+
+
+def _of_sweep(scene: AxialScene, lists: Lists, quantities: Sequence[str]) -> Table | None:
+    """Return the table of predictions for all combinations of parameters of STACKED; None if they take no arrays.
+
+    Only scenes with the least and the greatest values are made and checked: what is allowed is a range of each.
+    """
+    values = {name: np.asarray(each) for name, each in lists.items()}
+    plain = all(name in STACKED and each.dtype.kind in "iuf" and each.ndim == 1 for name, each in values.items())
+    outlined = getattr(scene, "predicted_image", False)  # not allowed at the pole
+    moving = "z2" in lists and "z1" not in lists and getattr(scene, "z1", None) is None  # spheres, with the eye
+    if not plain or outlined or moving or type(scene) not in SCENES.values():
+        return None
+    for ends in product(*((each.min().item(), each.max().item()) for each in values.values())):
+        scene.replace(**dict(zip(lists, ends, strict=True)))
+    grid = [each.astype(float).ravel() for each in np.meshgrid(*values.values(), indexing="ij")]
+    columns = {name: grid[[*lists].index(name)] for name in type(scene).model_fields if name in lists}
+    own = {"alpha": scene.alpha, "z1": _first_z1(scene), "z2": scene.z2}
+    found = _of_stack(scene, {name: np.full(len(grid[0]), value) for name, value in own.items()} | columns, quantities)
+    return None if found is None else Table(columns, dict(zip(quantities, found, strict=True)), scene)
+
+
+def _of_stack(scene: AxialScene, values: Mapping[str, Floats], quantities: Sequence[str]) -> Floats | None:
+    """Return predictions (quantities, n) for n scenes with these values; None if the predictions take no arrays."""
+    stack = stacked(scene, values)
+    if stack is None:
+        return None
+    return np.array([np.broadcast_to(QUANTITIES[name].of(stack), values["z1"].shape) for name in quantities], float)
+
+
+def _first_z1(scene: AxialScene) -> float:
+    given = getattr(scene, "z1", None)
+    return scene.distances[0] if given is None else as_tuple(given)[0]
+
+
+def _predict(
+    scenes: Sequence[AxialScene], differ: Sequence[str], quantities: Sequence[str], found: Floats
+) -> list[int]:
+    """Write predictions (scenes, quantities) for all scenes that differ from others in STACKED alone.
+
+    Return the numbers of the scenes that are left.
+    """
+    groups: dict[object, list[int]] = {}
+    apart = [name for name in differ if name not in (*STACKED, "view")]  # no prediction depends on the view
+    for n, scene in enumerate(scenes):
+        groups.setdefault((type(scene), *(hashable(getattr(scene, name, None)) for name in apart)), []).append(n)
+    left = []
+    for rows in groups.values():
+        values = None
+        if len(rows) > 1 and type(scenes[rows[0]]) in SCENES.values():
+            some = [scenes[n] for n in rows]
+            given = [(each.alpha, _first_z1(each), each.z2) for each in some]
+            values = _of_stack(some[0], dict(zip(STACKED, np.array(given, float).T, strict=True)), quantities)
+        if values is None:
+            left += rows
+        else:
+            found[rows] = values.T
+    return sorted(left)
+
+
+def _differing(scenes: Sequence[AxialScene]) -> list[str]:
+    """Return the names of the fields in which the scenes differ."""
+    kinds: dict[type[AxialScene], None] = dict.fromkeys(map(type, scenes))
+    names = dict.fromkeys(name for kind in kinds for name in kind.model_fields)
+    firsts = {name: getattr(scenes[0], name, None) for name in names}
+    return [name for name, first in firsts.items() if any(getattr(each, name, None) != first for each in scenes)]
+
+
+def _columns(scenes: Sequence[AxialScene], differ: Sequence[str], swept: Lists) -> dict[str, NDArray[Any]]:
+    """Return the columns of the parameters that are swept, or else of all in which the scenes differ."""
+    given = [parameters(scene, swept or differ) for scene in scenes]
+    names = dict.fromkeys(name for each in given for name in each)
+    shown = [name for name in names if (swept and name != "scene") or len({each.get(name) for each in given}) > 1]
+    return {name: _column([each.get(name) for each in given]) for name in shown}
 
 
 def _column(values: list[Any]) -> NDArray[Any]:

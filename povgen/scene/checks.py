@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
 from itertools import combinations, pairwise
 from typing import Any
 
@@ -34,7 +35,8 @@ def check(scene: EyeAndWindows) -> None:
         with _named(number):
             _check_shape(scene.values_of(window, SHAPE), window is scene, window, sheet)
             _check_depth(sheet, bool(scene.window))
-            _check_law(*scene.values_of(window, ("law", "parameter")).values())
+            law, parameter = scene.values_of(window, ("law", "parameter")).values()
+            _check_law(law, tuple(parameter.items()))
     _check_places(scene)
 
 
@@ -134,10 +136,11 @@ def _check_depth(sheet: Sheet, must_be_exact: bool) -> None:
         )
 
 
-def _check_law(text: str, parameters: dict[str, float]) -> None:
+@lru_cache(maxsize=256)  # of many scenes, most have the same
+def _check_law(text: str, parameters: tuple[tuple[str, float], ...]) -> None:
     """Check a window's law, even if its sheet has none."""
     try:
-        Law(text, parameters).check_divisions(parameters)
+        Law(text, values := dict(parameters)).check_divisions(values)
     except ValueError as error:
         raise ValueError(f"law = {shown(text)}: {error}") from None
 
@@ -176,7 +179,7 @@ def with_index(window: Window, wavelength: float) -> Window:
     sheet = made.optics
     _check_shape({name: getattr(made, name) for name in SHAPE}, True, made, sheet)
     _check_depth(sheet, True)  # a room's text for POV-Ray builds all sheets exactly
-    _check_law(made.law, made.parameter)
+    _check_law(made.law, tuple(made.parameter.items()))
     return made
 
 

@@ -3,7 +3,7 @@
 z1 is the distance of an object from the middle plane of the last window.
 """
 
-from math import inf, radians, remainder
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -93,10 +93,11 @@ class Predicted(EyeAndWindows):
         z1 = _distances(z1)
         if not self.has_nu_and_M:
             return (nothing := np.full(np.shape(z1), np.nan)[()]), nothing
-        alpha = remainder(sum(self.alphas), 360)
+        alpha = sum(self.alphas)
+        alpha -= 360 * np.round(alpha / 360)  # to the even one of two: 180 and -180 stay
         if self._is_of_the_paper:
-            r = equations.r(z1, self.z2)
-            nu, M = equations.nu(r, radians(self.alpha)), equations.M(r, radians(self.alpha))
+            r, turn = equations.r(z1, self.z2), np.radians(self.alpha)
+            nu, M = equations.nu(r, turn), equations.M(r, turn)
         else:
             nu, M = apparent.nu_and_M(z1, self.elements)
         return alpha / 2 + np.remainder(np.degrees(nu) - alpha / 2 + 180, 360) - 180, M

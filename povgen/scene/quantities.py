@@ -4,33 +4,34 @@ They are for the scene's first object, seen through all windows. A quantity that
 is NaN.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Collection, Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from povgen.optics import apparent
 from povgen.optics.equations import Complexes, Floats
 from povgen.optics.rays import Bundle, Convergence
 from povgen.optics.shares import Shares, shares
 from povgen.scene import pupil
 from povgen.scene.scenes import AxialScene, checked_axial
+from povgen.sheets import PARAMETERS
+from povgen.sheets.prisms import ERRORS
 from povgen.sheets.sheet import Said
 
 MIN_RAYS = 100  # with fewer rays on the designed path, the object counts as not seen
 ARCMINUTE = np.radians(1 / 60)
 RAYS = 10_000  # traced rays: the standard error of a share is then at most 0.005
 
-
-# How captions write names of parameters and quantities, where they do not use a sheet's `Parameter.said`, and units,
-# where they do not use `Parameter.unit`. A name that is not in SYMBOLS is written as it is.
+# How captions write names of parameters and quantities, where they do not use a sheet's `Parameter.said`. Others are
+# written as they are.
 SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂", "index": "n"}
+# Units of parameters that have no `Parameter.unit`.
 LENGTHS = "z", "z1", "z2", "x", "eye", "look", "line", "aperture", "view", "pedestal", "pupil", "focus"
-UNITS = dict.fromkeys(LENGTHS, " tiles") | {
-    "base_angle": "°",
-    "wavelength": " nm",
-}
+UNITS = dict.fromkeys(LENGTHS, "tiles") | {"wavelength": "nm"}
 # How captions state z1: behind a single window, and behind several.
 BEHIND, BEHIND_LAST = (Said(f"z₁ = {{}} behind the {window}", full="z₁ = {}") for window in ("window", "last window"))
 # How captions state the place of a window behind the first one: of two windows, and of more than two.
@@ -40,7 +41,7 @@ SECOND, LATER = Said("windows {} apart"), Said("window {number} at {}")
 class Quantity(NamedTuple):
     """A number of a scene."""
 
-    of: Callable[[AxialScene], float]
+    of: Callable[[AxialScene], Any]  # a number; what is PREDICTED for a scene of `stacked` is an array
     unit: str
     text: str
 
@@ -192,21 +193,20 @@ def _convergence(scene: AxialScene) -> Convergence:
     return light.convergence() if len(light.end) > 1 else Convergence(*[np.nan] * 4)
 
 
-def _position(scene: AxialScene) -> complex:
+def _position(scene: AxialScene) -> Complexes:
     """Return where the first object appears. At infinity it has no place: NaN."""
-    L, z1 = scene.objects[0]
-    found = complex(scene.apparent_position(L, z1))
-    return found if np.isfinite(found) else complex(np.nan, np.nan)
+    found = np.asarray(scene.apparent_position(*scene.objects[0]))
+    return np.where(np.isfinite(found), found, complex(np.nan, np.nan))
 
 
 QUANTITIES = {
     "x": Quantity(lambda scene: _position(scene).real, "tiles", "where the eye sees the object, in the plane z = 0"),
     "y": Quantity(lambda scene: _position(scene).imag, "tiles", "the same, upwards"),
     "nu": Quantity(
-        lambda scene: float(scene.nu_and_M(scene.distances[0])[0]), "degrees", "the angle by which it appears turned"
+        lambda scene: scene.nu_and_M(scene.distances[0])[0], "degrees", "the angle by which it appears turned"
     ),
-    "M": Quantity(lambda scene: float(scene.nu_and_M(scene.distances[0])[1]), "", "its magnification"),
-    "visible": Quantity(lambda scene: float(scene.visible(*scene.objects[0])), "", "1 if the eye sees it, otherwise 0"),
+    "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification"),
+    "visible": Quantity(lambda scene: scene.visible(*scene.objects[0]), "", "1 if the eye sees it, otherwise 0"),
     "seen_x": Quantity(
         lambda scene: traced_image(scene).position.real, "tiles", "x by the ray trace, on the designed path"
     ),
@@ -228,9 +228,7 @@ QUANTITIES = {
         "distance of the focus for which a pupil blurs the object least",
     ),
     "pupil_blur": Quantity(
-        lambda scene: float(
-            pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.inverse_focus(scene)) / ARCMINUTE
-        ),
+        lambda scene: pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.inverse_focus(scene)) / ARCMINUTE,
         "arcminutes",
         "RMS blur of a point by the pupil, as predicted; a radius, with the parameter focus",
     ),
@@ -251,10 +249,39 @@ QUANTITIES = {
 }
 
 
-def parameters(scene: AxialScene) -> dict[str, object]:
+PREDICTED = {"x", "y", "nu", "M", "visible"}  # quantities that equations give
+SHARES = {"designed", "stray"}  # quantities that are shares of RAYS traced rays
+STACKED = ("alpha", "z1", "z2")  # parameters that are arrays in a scene of `stacked`
+
+
+def stacked(scene: AxialScene, values: Mapping[str, Floats]) -> AxialScene | None:
+    """Return a scene for n scenes that differ in parameters of STACKED alone: these are arrays (n,).
+
+    z1 is that of the first object. What is PREDICTED is found for all at once. Nothing is checked. Return None if a
+    sheet has no ray-transfer matrix: then predictions are searched for, one by one.
+    """
+    made = scene.model_copy()
+    for found in ("sheets", "contents"):
+        made.__dict__.pop(found, None)
+    made.__dict__.update(values)
+    return made if apparent.matrix(made.elements) is not None else None
+
+
+def unit(name: str) -> str:
+    """Return the unit of a parameter with a name of `parameters`, such as tiles or degrees; empty without one."""
+    name = re.sub("^(scene|window[0-9]+)_", "", name)
+    if name.startswith("error_"):
+        return ERRORS[name.removeprefix("error_")].unit
+    name = re.sub("_([0-9]+|[xyz])$", "", name)  # one of several, or a component
+    units = {each.unit for each in PARAMETERS.get(name, ())} - {""}
+    return UNITS.get(name) or (units.pop() if len(units) == 1 else "")
+
+
+def parameters(scene: AxialScene, names: Collection[str] | None = None) -> dict[str, object]:
     """Return a scene's parameters by names such as alpha, eye_x, window2_z and z1_2, which is z1 of the second object.
 
-    The values are numbers, texts, True and False. Parameters that are None are left out.
+    The values are numbers, texts, True and False. Parameters that are None are left out. If fields of the scene's
+    class are named, the others are left out, too.
     """
     found: dict[str, object] = {"scene": scene.name}
 
@@ -270,7 +297,7 @@ def parameters(scene: AxialScene) -> dict[str, object]:
         elif value is not None:
             found[name] = value if isinstance(value, (bool, int, float)) else str(value)
 
-    for name, value in scene.model_dump().items():
+    for name, value in scene.model_dump(include=None if names is None else {*names}).items():
         if name == "window":
             for number, window in enumerate(value, 2):
                 add(f"window{number}", window)

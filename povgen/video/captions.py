@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from povgen.inputs.pieces import PIECES
 from povgen.optics import equations
-from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, UNITS
+from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, unit
 from povgen.scene.scene import Scene, object_images
 from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.spec import swept_numbers
@@ -239,7 +239,7 @@ def _place(name: str, place: tuple[float, ...], digits: int) -> str:
         return f"{name} none"
     ways = (("to the left", "to the right"), ("down", "up"))
     rounded = [round(x, digits) for x in place]
-    parts = [f"{abs(x):.{digits}f}{UNITS[name]} {way[x > 0]}" for x, way in zip(rounded, ways, strict=True) if x]
+    parts = [f"{abs(x):.{digits}f}{_unit(name)} {way[x > 0]}" for x, way in zip(rounded, ways, strict=True) if x]
     return f"{name} {', '.join(parts) or 'in the middle'}"
 
 
@@ -309,11 +309,7 @@ def _in_each_window(scene: AxialScene, name: str) -> str:
 
 def _unit(name: str) -> str:
     """Return the unit of a parameter, as it follows a number."""
-    if name in UNITS:
-        return UNITS[name]
-    units = {each.unit for each in PARAMETERS.get(name, ())} - {""}
-    text = units.pop() if len(units) == 1 else ""
-    text = text.replace("degrees", "°").replace(" a ", "/")
+    text = unit(name).replace("degrees", "°").replace(" a ", "/")
     return text if text.startswith("°") else f" {text}" if text else ""
 
 
@@ -325,7 +321,7 @@ def facts(scene: AxialScene) -> dict[str, str]:
     objects a value is a range. nu and M are predictions for prisms of the scene's size (`Scene.nu_and_M`).
     """
     z1 = np.array(scene.distances)
-    tiles = UNITS["z1"]
+    tiles = _unit("z1")
     texts = {"z1": _range(z1, ".4g") + tiles, "z2": _number(scene.z2, ".4g") + tiles}
     texts["r"] = _range(equations.r(z1, scene.z2))
     other = not (scene.has_nu_and_M or scene.sheet == "single")

@@ -21,7 +21,8 @@ for _name in ("sheets", "objects", "scene", "rendering", "video", "liveview", "m
 LAYERS["sheets"] -= {"inputs"}
 LAYERS["page"] -= {"measure"}
 LAYERS["paper"] -= {"liveview", "page"}
-BASE = {"errors", "files", "limits", "progress", "record", "remedies", "settings", "stopping", "validation", "version"}
+BASE = {"citation", "errors", "files", "limits", "progress", "record", "remedies", "settings", "stopping"}
+BASE |= {"validation", "version"}
 TOP = {"__init__", "__main__"}  # they may import everything
 
 

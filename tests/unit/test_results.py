@@ -1,13 +1,17 @@
 """Tables of many scenes: their columns, their numbers, and the processes that compute them."""
 
 import errno
+import json
 import math
 import os
 import subprocess
 import sys
+import time
 
 import numpy as np
+import pandas
 import pytest
+import xarray
 
 from povgen import Chess, InputError, Spheres, results, stopping
 from povgen.inputs import mesh
@@ -16,6 +20,7 @@ from povgen.rendering import parallel, survey_cache
 from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
 from povgen.scene import survey
+from povgen.sheets import SHEETS
 
 SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
 
@@ -84,9 +89,9 @@ def talking(tmp_path, monkeypatch):
 
 
 def test_other_processes_find_the_same(monkeypatch, capsys, talking):
-    alone = results(SCENES, "M", "x", progress=False, workers=1)
+    alone = results(SCENES, "M", "seen_x", progress=False, workers=1)
     monkeypatch.setattr(module, "PATIENCE", 0)
-    together = results(SCENES, "M", "x", workers=2)
+    together = results(SCENES, "M", "seen_x", workers=2)
     assert list(together) == list(alone) and all(
         np.array_equal(together[name], alone[name], equal_nan=True) for name in alone
     )
@@ -114,8 +119,9 @@ def test_items_of_a_process_that_fails_are_left_out(fault, monkeypatch):
 def test_what_no_other_process_computes_is_computed_here(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
     monkeypatch.setattr(module, "computed", lambda *_: {1: [7.0]})
-    table = results(SCENES, "M", workers=2, progress=False)
-    assert table["M"][1] == 7 and np.array_equal(np.delete(table["M"], 1), np.delete(results(SCENES, "M")["M"], 1))
+    scenes = [Chess(sheet="axis", axis=(0, 1, 0.1), alpha=alpha) for alpha in (0, 2, 5)]  # without a matrix
+    table = results(scenes, "x", workers=2, progress=False)
+    assert table["x"][1] == 7 and table["x"][::2].tolist() == [results(each, "x")["x"][0] for each in scenes[::2]]
 
 
 class Mine(Chess):
@@ -134,6 +140,118 @@ def test_a_parameter_with_the_name_of_a_quantity():
     assert list(table) == ["scene_x", "x", "nu"] and table["scene_x"].tolist() == [0, 0.5]
     assert table["x"].tolist() == [scene.apparent_position(scene.objects[0][0], 2).real for scene in scenes]
     assert results(scenes, "nu", progress=False)["x"].tolist() == [0, 0.5]
+
+
+def one_by_one(scenes, quantities):
+    return np.array(module.values_of(scenes, quantities)).T
+
+
+def test_many_scenes_at_once_are_those_one_by_one():
+    """Whatever differs, and however the scenes are given: a list of any scenes, or lists of values."""
+    rng, quantities = np.random.default_rng(5), ("x", "y", "nu", "M", "visible")
+    linear = [name for name in SHEETS if Chess(sheet=name).sheets[0].transfer is not None]
+    kinds = [{"sheet": name} for name in linear] + [
+        {"error": {"turn": 1, "far_tilt_x": 2}},
+        {"window": "z=3,sheet=detailed", "sheet": "ideal"},
+        {"window": ["z=2,alpha=20", "z=4,sheet=single"], "prisms": 30},
+        {"sheet": "axis", "window": "z=2.5,sheet=detailed", "axis": (0, 0, 1)},
+    ]
+    scenes = []
+    assert len(linear) > 8
+    for kind in kinds:
+        scene = [Chess(x=0.3, eye=(0.6, -0.2), **kind), Spheres(z1=(3, 6), z2=4, **kind)][rng.integers(2)]
+        z1, alpha, z2 = rng.uniform(1, 5, 2), [0, 180, *rng.uniform(-360, 360, 2)], rng.uniform(3, 9, 2)
+        every = [scene.replace(z1=b, alpha=a, z2=c) for b in z1 for a in alpha for c in z2]
+        expected = one_by_one(every, quantities)
+        found = results(scene, *quantities, z1=z1, alpha=alpha, z2=z2, progress=False)
+        assert list(found) == ["alpha", "z2", "z1", *quantities]
+        np.testing.assert_allclose([found[name] for name in quantities], expected, 1e-12, 1e-12, err_msg=str(scene))
+        for name in ("z1", "alpha", "z2"):
+            assert found[name].tolist() == [getattr(each, name) for each in every]
+        scenes += every[:: rng.integers(2, 5)]
+    scenes = [scenes[n] for n in rng.permutation(len(scenes))]
+    found = results(scenes, *quantities, workers=1, progress=False)
+    np.testing.assert_allclose([found[name] for name in quantities], one_by_one(scenes, quantities), 1e-12, 1e-12)
+
+
+def test_lists_of_values():
+    scene = Chess(sheet="ideal", prisms=30)
+    table = results(
+        scene, "nu", "designed", alpha=(30, 60), eye=[(0, 0), (1, 0), (1, 1)], glass=["BK7"], progress=False
+    )
+    assert list(table) == ["alpha", "glass", "eye_x", "eye_y", "nu", "designed"] and len(table["nu"]) == 6
+    assert (
+        table["eye_x"].tolist() == [0, 1, 1] * 2 and (table["nu"][:3] == results(scene, "nu", alpha=[30])["nu"]).all()
+    )
+    spheres = results(Spheres(sheet="ideal"), "x", z2=(4, 5))  # which move with the eye
+    assert spheres["x"].tolist() == [results(Spheres(sheet="ideal", z2=z2), "x")["x"][0] for z2 in (4, 5)]
+    assert list(results(scene, "x", x=(0, 0.5), z1=[3])) == ["z1", "scene_x", "x"]
+    outlined = Chess(sheet="ideal", predicted_image=True)
+    for wrong, says in [
+        ({"alpha": (0, 400)}, "alpha = 400"),
+        ({"z1": (0.1, 2)}, "z1 = 0.1: the knight would touch"),
+        ({"z2": (0.1, 2)}, "z2 = 0.1: the eye"),
+        ({"alpha": (0, np.nan)}, "alpha = nan"),
+        ({"alpha": (0, "a")}, "alpha = 'a'"),
+        ({"alpha": (True, False)}, "alpha = True"),
+        ({"alpha": 3}, "alpha = 3: should be a list"),
+        ({"alpha": []}, "alpha: no values"),
+        ({"alfa": (1, 2)}, "'alfa': unknown in the scene chess"),
+        ({"alpha": range(1000), "z1": range(1, 1000)}, "alpha, z1: 999000 scenes or more"),
+        ({"alpha": (0, 180, 300), "z1": [6]}, "appears at infinity"),
+    ]:
+        with pytest.raises(InputError, match=says):
+            results(outlined, "nu", **wrong)
+    with pytest.raises(InputError, match="should be a scene"):
+        results([scene], "nu", alpha=(1, 2))
+
+
+def test_a_thousand_predictions_take_little_time():
+    scene, alpha = Chess(), np.linspace(0, 170, 1000)
+
+    def seconds():
+        start = time.process_time()
+        results(scene, "nu", "M", "x", "y", alpha=alpha)
+        return time.process_time() - start
+
+    assert min(seconds() for _ in range(5)) < 0.02
+
+
+def test_a_dataset(tmp_path, monkeypatch):
+    scene = Chess(prisms=30)
+    table = results(scene, "designed", "nu", prisms=(30, 10, 20), glass=("BK7", "N-SF11"), progress=False)
+    table.to_xarray().to_netcdf(tmp_path / "study.nc")
+    with xarray.open_dataset(tmp_path / "study.nc") as data:
+        assert dict(data.sizes) == {"prisms": 3, "glass": 2} and data.prisms.values.tolist() == [30, 10, 20]
+        p = float(data.designed.sel(prisms=10, glass="N-SF11"))
+        assert p == table["designed"][3] and data.designed_error.attrs["units"] == "1"
+        assert float(data.designed_error.sel(prisms=10, glass="N-SF11")) == pytest.approx(np.sqrt(p * (1 - p) / 10_000))
+        assert data.designed.attrs["ancillary_variables"] == "designed_error" and "nu_error" not in data
+        assert data.nu.attrs == {"units": "degrees", "long_name": "the angle by which it appears turned"}
+        made = json.loads(data.attrs["record"])
+        assert made.pop("scene") == "chess" and Chess(**made) == scene.replace(glass="BK7")
+        assert "Local light-ray rotation" in data.attrs["references"] and data.attrs["source"].startswith("povgen 0.")
+    assert pandas.DataFrame(table).to_dict("list") == {name: column.tolist() for name, column in table.items()}
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(InputError, match="to_xarray needs xarray, which is not installed: pip install"):
+        table.to_xarray()
+
+
+def test_the_dimensions_of_a_dataset():
+    """A grid in any order, with what depends on a parameter; otherwise one dimension."""
+    scene = Chess(sheet="ideal", fresnel=False)
+    scenes = [scene.replace(z2=z2, x=x, aperture=4) for z2 in (6, 30) for x in (1, 0)]
+    data = results([scenes[n] for n in (2, 0, 3, 1)], "x", progress=False).to_xarray()
+    assert data.scene_x.dims == ("scene_x",) and data.view.dims == ("z2",) and data.x.dims == ("z2", "scene_x")
+    units = {"z2": "tiles", "view": "tiles", "scene_x": "tiles", "x": "tiles"}
+    assert {name: each.attrs["units"] for name, each in data.variables.items()} == units
+    assert data.z2.values.tolist() == [30, 6] and data.x[1, 0] == scenes[0].apparent_position(scenes[0].L, 2).real
+    odd = results([*scenes[:3], Spheres(sheet="ideal", z1=2, error={"tilt_x": 1})], "M", progress=False).to_xarray()
+    assert dict(odd.sizes) == {"scene": 4} and odd.z2.dims == ("scene",) and "z2" in odd.coords
+    assert odd.scene.values.tolist() == ["chess"] * 3 + ["spheres"] and odd.error_tilt_x.attrs["units"] == "degrees"
+    assert results(scene, "M").to_xarray().M.shape == () and results([], "M").to_xarray().M.shape == (0,)
+    twice = results([scene, scene.replace(alpha=3), scene], "M", progress=False).to_xarray()
+    assert twice.M.dims == ("scene",)
 
 
 def test_a_number_of_workers_can_be_numpys():
