@@ -41,6 +41,7 @@ CONTENTS = {
     "The physics": [
         "docs/sheets",
         "docs/beyond",
+        "docs/light",
         "docs/tolerances",
         "docs/lenticulars",
         "docs/kinds",

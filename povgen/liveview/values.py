@@ -13,6 +13,7 @@ from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, pieces
 from povgen.scene.survey import max_trace_level
+from povgen.scene.white import WHITE
 from povgen.sheets.parameters import design_index
 from povgen.sheets.profile import ProfileSheets
 from povgen.sheets.sheet import Sheet
@@ -27,6 +28,8 @@ def values(scene: Scene) -> dict[str, Any]:
         raise InputError("fresnel = true: the live view follows one ray a pixel, which does not split; allowed: false")
     if not all(sheet.is_exact for sheet in scene.sheets):
         raise InputError("error: the live view shows sheets that are built exactly; allowed: no errors of building")
+    if scene.wavelength == WHITE:
+        raise InputError(f"wavelength = {WHITE}: the live view shows one; allowed: a number of nm")
     found = _preset(scene) if isinstance(scene, AxialScene) else _room(scene)
     about: dict[str, dict[str, Any]] = {"cards": {"places": shader.cards(scene).places}}
     about |= {part: {"tiles": each.tiles, "mean": each.mean} for part, each in shader.surroundings(scene).items()}

@@ -35,6 +35,7 @@ from povgen.scene import camera
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, checked_axial, pieces
 from povgen.scene.sdl import Mosaic, to_pov
+from povgen.scene.white import WHITE
 from povgen.settings import Options, Renderer, Rendering, SharedOptions
 
 FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
@@ -145,8 +146,8 @@ def choose(
     if flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
     """
     shown = [view for scene in given for view in views(scene, rendering)]
-    if any(scene.pupil for scene in shown):
-        raise InputError("sheet = 'auto': not with a pupil; allowed: 'detailed', 'ideal' or 'none'")
+    if any(scene.pupil or scene.wavelength == WHITE for scene in shown):
+        raise InputError("sheet = 'auto': not with a pupil or in white light; allowed: 'detailed', 'ideal' or 'none'")
     scenes = [checked_axial(view, "sheet = 'auto'") for view in shown]
     if any(scene.window for scene in scenes):
         raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")

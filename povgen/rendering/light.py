@@ -24,14 +24,18 @@ def linear(picture: Picture) -> Light:
     return hdr.linear(range(256))[picture]
 
 
-def mean(pictures: Iterable[NDArray[Any]], count: int) -> NDArray[Any]:
-    """Return the mean of the light of so many pictures: sRGB bytes, or light. The result is of the same kind."""
+def mixed(pictures: Iterable[NDArray[Any]], weights: Iterable[NDArray[Any]]) -> NDArray[Any]:
+    """Return the weighted sum of the light of pictures: sRGB bytes, or light. The result is of the same kind.
+
+    A weight is a matrix (3, 3), by which red, green and blue are multiplied. Bytes below black and above white do not
+    exist; light can be both.
+    """
     light: Light = np.zeros(1, np.float32)
     kind: np.dtype[Any] = light.dtype
-    for picture in pictures:
+    for picture, weight in zip(pictures, weights, strict=True):
         kind = picture.dtype
-        light = np.asarray(light + (linear(picture) if kind == np.uint8 else picture) / count, np.float32)
-    return np.asarray(hdr.encoded(light) + np.float32(0.5) if kind == np.uint8 else light, kind)
+        light = light + (linear(picture) if kind == np.uint8 else picture) @ weight.T.astype(np.float32)
+    return hdr.as_bytes(light) if kind == np.uint8 else light
 
 
 def reduced(picture: Picture, size: tuple[int, int]) -> Picture:

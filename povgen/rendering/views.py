@@ -11,7 +11,7 @@ from povgen.inputs.hdr import encoded
 from povgen.optics.rays import Opening
 from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
-from povgen.scene import pupil
+from povgen.scene import pupil, white
 from povgen.scene.camera import Vector
 from povgen.scene.scene import Scene, checked_class
 from povgen.settings import PUPIL_RAYS, Rendering
@@ -48,10 +48,10 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
 def frames_of(scene: Scene, rendering: Rendering) -> list[Scene]:
     """Return the scenes that are rendered for each of the `views`, one view after another.
 
-    POV-Ray shows an eye with a pupil by pictures from PUPIL_RAYS places in it. Raises as `views` does, and InputError
-    if an eye cannot be at one of these places.
+    White light is shown by pictures at several wavelengths. POV-Ray shows an eye with a pupil by pictures from
+    PUPIL_RAYS places in it. Raises as `views` does, and InputError if an eye cannot be at one of these places.
     """
-    shown = views(scene, rendering)
+    shown = [each for view in views(scene, rendering) for each in white.coloured(view)]
     if not scene.pupil or rendering.renderer == "gl":
         return shown
     jitter = [complex(*light.place(number, PUPIL_RAYS, False)) for number in range(PUPIL_RAYS)]
@@ -61,12 +61,16 @@ def frames_of(scene: Scene, rendering: Rendering) -> list[Scene]:
         raise InputError(f"pupil = {scene.pupil:g}: for a place in it, {error}") from None
 
 
-def merged(frames: Sequence[bytes], read: Callable[[bytes], NDArray[Any]], count: int) -> list[NDArray[Any]]:
-    """Return the pictures of so many `views` from their frames (`frames_of`), which `read` decodes: means of light."""
+def merged(
+    frames: Sequence[bytes], read: Callable[[bytes], NDArray[Any]], scene: Scene, count: int
+) -> list[NDArray[Any]]:
+    """Return the pictures of so many `views` from their frames (`frames_of`), which `read` decodes: sums of light."""
     each = len(frames) // count
     if each == 1:
         return [read(frame) for frame in frames]
-    return [light.mean(map(read, frames[n : n + each]), each) for n in range(0, len(frames), each)]
+    colours = white.mixing() if scene.wavelength == white.WHITE else np.eye(3)[None]
+    weights = np.repeat(colours * len(colours) / each, each // len(colours), axis=0)
+    return [light.mixed(map(read, frames[n : n + each]), weights) for n in range(0, len(frames), each)]
 
 
 def check_gl(scene: Scene) -> None:

@@ -15,6 +15,7 @@ from povgen.objects.window import Window
 from povgen.optics import glasses
 from povgen.optics.equations import Floats
 from povgen.optics.prism import Prism
+from povgen.scene import white
 from povgen.scene.model import EyeAndWindows
 from povgen.scene.windows import FurtherWindow, has_glass
 from povgen.sheets.law_grammar import Law
@@ -66,19 +67,25 @@ def _named(number: int) -> Iterator[None]:
         raise ValueError(f"window {number}, {error}" if number > 1 else str(error)) from None
 
 
-def _index_of(window: EyeAndWindows | FurtherWindow | Window, wavelength: float) -> float | None:
-    """Return the refractive index of a window's prisms, or None if the window uses that of the first window."""
+def _index_of(window: EyeAndWindows | FurtherWindow | Window, wavelength: float | str) -> float | None:
+    """Return the refractive index of a window's prisms, or None if the window uses that of the first window.
+
+    For white light it is that at WAVELENGTH.
+    """
     given: float | None = window.index
     if not has_glass(window):
         return given
-    index = glasses.index(str(window.glass), wavelength * 1e-9)
+    needed = (*white.ENDS, WAVELENGTH) if isinstance(wavelength, str) else (wavelength,)
+    *_, index = [glasses.index(str(window.glass), each * 1e-9) for each in needed]
     if "index" in window.model_fields_set and given != index:
         raise ValueError(f"index = {given:g}, glass = {window.glass!r}: allowed: one of them")
     return index
 
 
-def _for_no_glass(name: str, wavelength: float) -> str:
-    return f"{name} = {wavelength:g}: needs a glass; allowed: with one, such as glass = BK7"
+def for_no_glass(name: str, wavelength: float | str) -> str:
+    """Return the message about a wavelength that has no effect."""
+    stated = wavelength if isinstance(wavelength, str) else f"{wavelength:g}"
+    return f"{name} = {stated}: needs a glass; allowed: with one, such as glass = BK7"
 
 
 def _find_indices(scene: EyeAndWindows) -> None:
@@ -100,14 +107,14 @@ def _find_indices(scene: EyeAndWindows) -> None:
     object.__setattr__(scene, "window", tuple(found))
     for name in ("wavelength", "design_wavelength") if not any(map(has_glass, (scene, *found))) else ():
         if (value := getattr(scene, name)) != WAVELENGTH:
-            raise ValueError(_for_no_glass(name, value))
+            raise ValueError(for_no_glass(name, value))
 
 
 def _check_shape(
     values: Mapping[str, Any], is_first: bool, window: EyeAndWindows | FurtherWindow | Window, sheet: Sheet
 ) -> None:
     if not is_first and window.design_wavelength is not None and values["glass"] == "none":
-        raise ValueError(_for_no_glass("design_wavelength", window.design_wavelength))
+        raise ValueError(for_no_glass("design_wavelength", window.design_wavelength))
     planned = Prism(1.0, design_index(values), values["base_angle"], aspect=values["aspect"])
     if not is_first and not isinstance(sheet, Prisms):  # the first shape is checked even if no window has prisms
         return
@@ -168,14 +175,14 @@ def _check_places(scene: EyeAndWindows) -> None:
 # ---- Rooms
 
 
-def with_index(window: Window, wavelength: float) -> Window:
+def with_index(window: Window, wavelength: float | str) -> Window:
     """Return a room's window, checked, with the index of its glass for this wavelength."""
     made = window.model_copy()
     object.__setattr__(made, "index", _index_of(made, wavelength))  # the model is frozen
     if has_glass(made):  # the index is found, not given
         made.model_fields_set.discard("index")
     elif made.design_wavelength != WAVELENGTH:
-        raise ValueError(_for_no_glass("design_wavelength", made.design_wavelength))
+        raise ValueError(for_no_glass("design_wavelength", made.design_wavelength))
     sheet = made.optics
     _check_shape({name: getattr(made, name) for name in SHAPE}, True, made, sheet)
     _check_depth(sheet, True)  # a room's text for POV-Ray builds all sheets exactly

@@ -19,7 +19,8 @@ from povgen.optics.rays import Opening
 from povgen.scene import checks, files, traced_rays
 from povgen.scene.camera import Camera
 from povgen.scene.scene import Scene
-from povgen.scene.windows import several, stated_as
+from povgen.scene.white import WHITE
+from povgen.scene.windows import has_glass, several, stated_as
 from povgen.validation import Model
 
 MOST_WINDOWS, MOST_OBJECTS = 20, 100
@@ -210,6 +211,8 @@ class Room(Scene):
             )
         # the model is frozen
         object.__setattr__(self, "window", tuple(checks.with_index(each, self.wavelength) for each in self.window))
+        if self.wavelength == WHITE and not any(map(has_glass, self.window)):
+            raise ValueError(checks.for_no_glass("wavelength", WHITE))
         if self.fresnel and self.has_prisms and self.rays_file:
             raise ValueError(
                 "fresnel = true: not with ideal sheets in the room, where rays would split; allowed: false"

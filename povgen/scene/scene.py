@@ -40,10 +40,10 @@ class Scene(Model):
     subject: ClassVar[str]
     rim: ClassVar[float] = RIM  # width of a window frame's sides, tiles
 
-    wavelength: Annotated[float, Field(ge=180, le=10000)] = Field(
+    wavelength: Annotated[float, Field(ge=180, le=10000)] | Literal["white"] = Field(
         default=WAVELENGTH,
-        description="wavelength of light, for the index of a glass, 180 to 10000 nm; "
-        "the picture's colours do not change",
+        description="wavelength of light, for the index of a glass, 180 to 10000 nm; the picture's colours do not "
+        "change; white: a picture of all colours, each with its own index",
     )
     fresnel: bool = Field(
         default=False, description="partial reflection at every face of the prisms; takes 4 to 13 times as long"

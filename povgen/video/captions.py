@@ -336,7 +336,8 @@ def facts(scene: AxialScene) -> dict[str, str]:
         texts = {**_values(scene), **texts}
     glasses = [sheet.values for sheet in scene.layered if sheet.values.get("glass", "none") != "none"]
     if glasses:
-        texts["n"] = f"{', '.join(dict.fromkeys(map(_glass, glasses)))} at {scene.wavelength:.1f} nm"
+        light = "in white light" if isinstance(scene.wavelength, str) else f"at {scene.wavelength:.1f} nm"
+        texts["n"] = f"{', '.join(dict.fromkeys(map(_glass, glasses)))} {light}"
     return texts
 
 

@@ -270,9 +270,10 @@ def picture(
     """
     count = len(views(scene, rendering))
     if rendering.is_light:
-        made = composed(merged(frames, lambda each: light.unpacked(each, rendering.size), count), scene, rendering)
+        pictures = merged(frames, lambda each: light.unpacked(each, rendering.size), scene, count)
+        made = composed(pictures, scene, rendering)
         return made if rendering.bits == 32 else light.as_16_bits(made)
-    pictures = merged(frames, read_png, count)
+    pictures = merged(frames, read_png, scene, count)
     if draws_on(scene, rendering):
         from povgen.video import overlay, side
 

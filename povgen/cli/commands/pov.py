@@ -15,7 +15,9 @@ from povgen.progress import say
 from povgen.scene.room import Room
 from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets
+from povgen.scene.white import WHITE
 from povgen.settings import Sampling
+from povgen.sheets.parameters import WAVELENGTH
 
 
 @click.command("pov", cls=Command)
@@ -47,6 +49,8 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
         say(f"povgen: warning: {outline} = true: no effect in a .pov file; povgen draws it on the rendered picture")
     if made.pupil:
         say(f"povgen: warning: pupil = {made.pupil:g}: a .pov file shows what its middle sees")
+    if made.wavelength == WHITE:
+        say(f"povgen: warning: wavelength = {WHITE}: a .pov file shows one, {WAVELENGTH} nm")
     if output is None:
         print(text, end="")
     else:
