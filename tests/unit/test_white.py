@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from povgen import Chess, InputError, Room, Window, live
+from povgen.inputs import hdr
+from povgen.rendering import light
 from povgen.scene import white
 
 
@@ -44,3 +46,15 @@ def test_what_shows_one_wavelength_refuses_white_light():
         from povgen import cheapest
 
         cheapest(scene, "1px")
+
+
+@pytest.mark.parametrize("as_bytes", [False, True])
+def test_pictures_are_mixed_in_linear_light(as_bytes):
+    """A half red, half blue pixel at two wavelengths: red's part at 620 nm, blue's at 450 nm, each twice as bright."""
+    picture = np.array([[[1, 0, 0.0]], [[0, 0, 1]]])
+    weights = [2 * white.mixing()[abs(white.wavelengths() - nm).argmin()] for nm in (620, 450)]
+    expected = picture[0] @ weights[0].T + picture[1] @ weights[1].T
+    shown = [(255 * each).astype(np.uint8) if as_bytes else each for each in picture]
+    found = light.mixed(shown, weights)
+    assert found == pytest.approx(hdr.as_bytes(expected) if as_bytes else expected, abs=1e-6)
+    assert expected[0].argmin() == 1 and weights[1][0, 0] != weights[1][2, 0]
