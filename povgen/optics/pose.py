@@ -10,6 +10,7 @@ scene's if it is not turned. The three turns are about the object's middle, one 
 Each is about the scene's axes.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -34,14 +35,17 @@ class Pose(NamedTuple):
         return np.array(self[:3], float)
 
     @property
+    @lru_cache(maxsize=256)  # noqa: B019  (a pose is a tuple of numbers)
     def axes(self) -> Floats:
-        """The unit vectors along the object's own x, y and z: the rows of a matrix (3, 3)."""
+        """The unit vectors along the object's own x, y and z: the rows of a matrix (3, 3). It cannot be changed."""
         angles = np.radians(self[3:])
         (cy, cp, cr), (sy, sp, sr) = np.cos(angles), np.sin(angles)
         yaw = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
         pitch = np.array([[1, 0, 0], [0, cp, -sp], [0, sp, cp]])
         roll = np.array([[cr, -sr, 0], [sr, cr, 0], [0, 0, 1]])
-        return np.asarray((yaw @ pitch @ roll).T)
+        axes = (yaw @ pitch @ roll).T
+        axes.setflags(write=False)
+        return np.asarray(axes)
 
     def own(self, position: Floats, direction: Floats) -> tuple[Floats, Floats]:
         """Return positions and directions (n, 3) in the object's own coordinates."""

@@ -31,6 +31,7 @@ LARGEST = 1e4  # coordinate of a point, tiles: more is perhaps in another unit
 MOST = 10**8  # rays of a spot: their points need 2 GB
 AT_ONCE = 4 * 10**7  # rays of a bundle: they need 2 GB
 MOST_FACES = 100_000
+PART = 16384  # rays that are followed at once through ideal sheets: their arrays stay in the processor's cache
 MOST_CROSSINGS = 100  # of windows, by one ray
 AWAY = 5e-5  # tiles: so far behind a sheet a ray that leaves it starts, for another tracer
 # the greatest error of the transverse part of a traced ray's unit direction: that of light that comes from behind
@@ -65,6 +66,15 @@ class Opening(NamedTuple):
         sheets = self.sheet.glass
         depth = sheets[-1].centre - sheets[0].centre + sheets[0].shape.length if sheets else 0.0
         return self._replace(frame=max(self.frame, depth))
+
+
+class Bent(NamedTuple):
+    """Rays that an ideal sheet has bent."""
+
+    ray: Indices  # their numbers, (n,)
+    position: Floats  # (n, 3)
+    direction: Floats  # (n, 3)
+    window: int
 
 
 class Convergence(NamedTuple):
@@ -209,10 +219,10 @@ class Traced(_Lines, Rays):
     @property
     def last(self) -> Indices:
         """The number of the last window that each ray has met (...), or -1."""
-        crossings = self.windows.shape[-1]
-        counted = np.where(self.windows >= 0, np.arange(1, crossings + 1), 0).max(-1, keepdims=True, initial=0)
-        before = np.concatenate((np.full((*self.shape, 1), -1), self.windows), -1)
-        return np.take_along_axis(before, counted, -1)[..., 0]
+        last = np.full(self.shape, -1)
+        for number in np.moveaxis(self.windows, -1, 0):
+            last = np.where(number < 0, last, number)
+        return last
 
     def met_each_in_turn(self, forward: Booleans, count: int) -> Booleans:
         """Return which rays have met every window on their way, if `count` windows stand one behind the other.
@@ -353,10 +363,11 @@ def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Ind
     order, and their positions and directions (n, 3). A position is AWAY behind the sheet.
     """
     windows = list(windows)
-    way = _way(rays, windows, most, None)
+    bent: list[Bent] = []
+    way = _way(rays, windows, most, bent=bent)
     count = np.zeros(len(way.rays.end), int)
     legs: list[list[tuple[Indices, Floats, Floats]]] = []
-    for i, position, direction, w in way.bent:
+    for i, position, direction, w in bent:
         normal = windows[w].pose.axes[2]
         position = position + AWAY * np.sign(direction @ normal)[:, None] * normal
         for leg in np.unique(count[i]):
@@ -373,17 +384,23 @@ def paths(rays: Bundle, windows: Iterable[Opening], most: int) -> list[tuple[Ind
 
 
 def _way(
-    rays: Bundle, windows: Sequence[Opening], most: int, partial: "np.random.Generator | None", path: bool = False
+    rays: Bundle,
+    windows: Sequence[Opening],
+    most: int,
+    partial: "np.random.Generator | None" = None,
+    path: bool = False,
+    bent: "list[Bent] | None" = None,
 ) -> "_Way":
     """Return rays that have been followed to their ends."""
     sheets = [window.sheet.glass for window in windows]
     n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
-    found = Rays.starting(position, direction.copy(), most if layers else 0, layers)
+    found = Rays.starting(position, direction, most if layers else 0, layers)
     found.end[:], found.designed[:] = End.BESIDE, True
-    way = _Way(found, [window.deep for window in windows], sheets, most, partial, path)
+    way = _Way(found, [window.deep for window in windows], sheets, most, partial, path, bent)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        way.run()
+        for first in range(0, n, at_once := n if layers else PART):
+            way.run(np.arange(first, min(first + at_once, n)))
     found.designed &= found.end == End.THROUGH
     return way
 
@@ -398,32 +415,31 @@ class _Way:
     most: int
     partial: "np.random.Generator | None"
     path: bool
+    bent: list[Bent] | None  # the rays that ideal sheets have bent, if they are asked for
     met: list[NDArray[np.int32]] = field(default_factory=list)  # the windows that the rays have met, one after another
-    # the rays that ideal sheets have bent: their numbers, positions and directions, and the number of the window
-    bent: list[tuple[Indices, Floats, Floats, int]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)  # what rays have met, if their paths are kept
 
-    def run(self) -> None:
-        """Follow each ray to its end."""
-        i = np.arange(len(self.rays.end))
+    def run(self, i: Indices) -> None:
+        """Follow each of these rays to its end."""
         last = np.full(len(i), -1)
-        while True:
-            met, distance = nearest(self.windows, self.rays.position[i], self.rays.direction[i], last)
+        for crossing in range(MOST_CROSSINGS + 1):
+            met, distance = nearest(self.windows, taken(self.rays.position, i), taken(self.rays.direction, i), last)
             i, distance, met = i[met >= 0], distance[met >= 0], met[met >= 0]
-            if not len(i) or len(self.met) == MOST_CROSSINGS:
+            if not len(i) or crossing == MOST_CROSSINGS:
                 self.rays.end[i] = End.UNFINISHED
                 return
-            self.met.append(np.full(len(self.rays.end), -1, np.int32))
-            self.met[-1][i] = met
-            numbers = np.unique(met)
-            leaving = [self.cross(i[met == w], w, distance[met == w]) for w in numbers]
+            if crossing == len(self.met):
+                self.met.append(np.full(len(self.rays.end), -1, np.int32))
+            self.met[crossing][i] = met
+            numbers = [w for w in range(len(self.windows)) if (met == w).any()]
+            leaving = [self.cross(i[met == w], w, distance[met == w], self.met[crossing]) for w in numbers]
             i, last = np.concatenate(leaving), np.repeat(numbers, [*map(len, leaving)])
 
-    def cross(self, i: Indices, w: int, distance: Floats) -> Indices:
+    def cross(self, i: Indices, w: int, distance: Floats, met: NDArray[np.int32]) -> Indices:
         """Take rays to a window at this distance, and through it. Return those that leave it."""
         window = self.windows[w]
-        position, direction = window.pose.own(self.rays.position[i], self.rays.direction[i])
-        position = position + distance[:, None] * direction
+        position, direction = window.pose.own(taken(self.rays.position, i), taken(self.rays.direction, i))
+        position += distance[:, None] * direction
         outside = distance > 0
         beside = outside & (abs(position[:, 2]) < (1 - 1e-9) * window.frame / 2)
         ends = np.where(beside, End.FRAME, End.THROUGH).astype(np.uint8)
@@ -437,23 +453,25 @@ class _Way:
                 f"ray {ray} from {self.rays.position[ray]}: inside the sheets of window {w + 1}; allowed: outside"
             )
         skipped = i[~beside & ~ahead]
-        self.met[-1][skipped], self.rays.designed[skipped] = -1, False
+        met[skipped], self.rays.designed[skipped] = -1, False
         if self.sheets[w]:
             self.through_glass(i, w, ahead, position, direction, ends)
         else:
-            self.bend(np.flatnonzero(ahead), window, position, direction, ends)
-            passed = ahead & (ends == End.THROUGH)
-            self.bent.append((i[passed], *window.pose.scene(position[passed], direction[passed]), w))
-            if self.path:
-                count = int(passed.sum())
-                self.events.append(Event(i[passed], self.bent[-1][1], np.ones(count), np.full(count, ray_path.IDEAL)))
+            self.bend(ahead, window, position, direction, ends)
+            passed = np.flatnonzero(ahead & (ends == End.THROUGH))
             way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
             framed = window.outline.excludes(*(position + way[:, None] * direction)[:, :2].T)
             ends[(ends == End.THROUGH) & framed] = End.FRAME
-        self.rays.position[i], self.rays.direction[i] = window.pose.scene(position, direction)
-        back, leaves = ends == End.BACK, ends <= End.BACK
-        returned = (self.rays.end[i] == End.BACK) ^ back
-        self.rays.end[i] = np.where(leaves, np.where(returned, End.BACK, End.THROUGH), ends)
+        position, direction = window.pose.scene(position, direction)
+        if self.path and not self.sheets[w]:
+            bent = i[passed], taken(position, passed), np.ones(len(passed)), np.full(len(passed), ray_path.IDEAL)
+            self.events.append(Event(*bent))
+        if self.bent is not None and not self.sheets[w]:
+            self.bent.append(Bent(i[passed], taken(position, passed), taken(direction, passed), w))
+        self.rays.position[i], self.rays.direction[i] = position, direction
+        leaves = ends <= End.BACK
+        ends ^= leaves & (self.rays.end[i] == End.BACK)  # light that is sent back twice goes on
+        self.rays.end[i] = ends
         return i[leaves]
 
     def reach(self, w: int, forward: Booleans) -> tuple[Floats, Floats]:
@@ -465,23 +483,22 @@ class _Way:
         front, back = np.where(forward, first, -last), np.where(forward, last, -first)
         return front + 1e-9 * side, back - 1e-9 * side  # a ray may start where another has left the sheets
 
-    def bend(self, ahead: Indices, window: Opening, position: Floats, direction: Floats, ends: Any) -> None:  # noqa: ANN401
+    def bend(self, ahead: Booleans, window: Opening, position: Floats, direction: Floats, ends: Any) -> None:  # noqa: ANN401
         """Bend the rays `ahead` at an ideal sheet. Changes the arrays, which are in the window's coordinates."""
-        p, d = position[ahead], direction[ahead]
-        p = p - (p[:, 2] / d[:, 2])[:, None] * d
-        p[:, 2] = 0
-        position[ahead] = p
-        inside = ~window.outline.excludes(p[:, 0], p[:, 1])
-        ends[ahead[~inside]] = End.FRAME
-        ahead, p, d = ahead[inside], p[inside], d[inside]
-        before, place, front = (d[:, 0] + 1j * d[:, 1]) / d[:, 2], p[:, 0] + 1j * p[:, 1], d[:, 2] > 0
-        after = np.empty_like(before)
-        after[front] = window.sheet.slope(before[front], place[front])
-        after[~front] = slope_of_light(window.sheet, before[~front], place[~front])
-        passes = np.isfinite(after)
-        ends[ahead[~passes]] = End.BLOCKED
-        bent = np.column_stack((after.real, after.imag, np.ones(len(p)))) * np.sign(d[:, 2:])
-        direction[ahead[passes]] = (bent / np.linalg.norm(bent, axis=1, keepdims=True))[passes]
+        sheet, forward = window.sheet, direction[:, 2] > 0
+        x, y, _ = (direction / direction[:, 2:]).T
+        X, Y = position[:, 0] - position[:, 2] * x, position[:, 1] - position[:, 2] * y
+        np.copyto(position.T, (X, Y, np.zeros(len(X))), where=ahead)
+        inside = ahead & ~window.outline.excludes(X, Y)
+        ends[ahead & ~inside] = End.FRAME
+        before, place, after = x + 1j * y, X + 1j * Y, np.empty(len(x), complex)
+        for way, slope in ((forward, sheet.slope), (~forward, lambda *ray: slope_of_light(sheet, *ray))):
+            if len(some := np.flatnonzero(inside & way)):
+                after[some] = slope(before[some], place[some])
+        passes = inside & np.isfinite(after)
+        ends[inside & ~passes] = End.BLOCKED
+        size = np.where(forward, 1, -1) / np.sqrt(1 + after.real**2 + after.imag**2)
+        np.copyto(direction.T, (after.real * size, after.imag * size, size), where=passes)
 
     def through_glass(
         self,
@@ -515,6 +532,11 @@ class _Way:
                 self.events.append(Event(j[n], places, steps.behind[n, step], after.faces[n, step].astype(int)))
 
 
+def taken(vectors: Floats, i: Indices) -> Floats:
+    """Return some of the vectors (n, 3). In memory, their x come first: numpy takes a quarter of the time."""
+    return vectors.T.take(i, 1).T
+
+
 def nearest(windows: Sequence[Opening], position: Floats, direction: Floats, last: Indices) -> tuple[Indices, Floats]:
     """Return the window that each ray (n, 3) meets first, or -1, and how far away it is, or infinity.
 
@@ -523,7 +545,8 @@ def nearest(windows: Sequence[Opening], position: Floats, direction: Floats, las
     met, distance = np.full(len(last), -1), np.full(len(last), np.inf)
     for w, window in enumerate(windows):
         some = np.flatnonzero(last != w)
-        begins, ends = window.outline.passage(*window.pose.own(position[some], direction[some]), window.frame)
+        own = window.pose.own(taken(position, some), taken(direction, some))
+        begins, ends = window.outline.passage(*own, window.frame)
         closer = (begins <= ends) & (ends >= 0) & (begins < distance[some])
         met[some[closer]], distance[some[closer]] = w, begins[closer]
     return met, np.maximum(distance, 0)

@@ -77,8 +77,8 @@ class Rays:
         """Return rays that start, whose count of faces is at most `most`. Their positions are copied."""
         n = len(position)
         return cls(
-            position.copy(),
-            direction,
+            position.copy(order="F"),
+            direction.copy(order="F"),
             np.full(n, End.THROUGH, np.uint8),
             np.zeros((n, most), np.uint8),
             np.zeros(n, int),

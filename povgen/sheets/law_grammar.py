@@ -96,16 +96,16 @@ class Law:
         return self._bent(_compiled(self._extracted[1]), direction, place, constants, "float32")
 
     def _bent(self, code: Any, direction: Any, place: Any, values: Mapping[str, float], kind: str) -> Any:  # noqa: ANN401
-        d = np.asarray(direction, float)
+        d = np.moveaxis(np.asarray(direction, float), -1, 0)  # components first: numpy takes a third of the time
         with np.errstate(all="ignore"):  # light that does not pass is NaN
-            x, y, z = np.moveaxis(d / np.linalg.norm(d, axis=-1, keepdims=True), -1, 0)
+            x, y, z = d / _length(d)
             at = np.asarray(place, complex)
             ray = {"x": x, "y": y, "z": z, "X": at.real, "Y": at.imag}
             parts = _evaluated(code, {**values, **ray}, kind)
-            bent = np.stack(np.broadcast_arrays(*parts, x + 0 * at.real)[:3], -1)
-            bent = bent / abs(bent).max(-1, keepdims=True)  # squares of very large or small numbers are inf or 0
-            bent = bent / np.linalg.norm(bent, axis=-1, keepdims=True)
-            return np.where(bent[..., 2:] > LEAST_Z, bent, np.nan)
+            bent = np.stack(np.broadcast_arrays(*parts, x, at.real)[:3])
+            bent /= abs(bent).max(0)  # squares of very large or small numbers are inf or 0
+            bent /= _length(bent)
+            return np.moveaxis(np.where(bent[2] > LEAST_Z, bent, np.nan), 0, -1)
 
     @property
     def names(self) -> set[str]:
@@ -310,6 +310,11 @@ def _evaluated(code: Any, values: Mapping[str, Any], kind: str = "float64") -> A
     names["abs"] = lambda value: np.abs(number(value))  # `_Numpy` wraps every number
     names |= {name: number(value) for name, value in values.items()} | {"__builtins__": {}}
     return eval(code, names)  # safe: the grammar has only these names and calls, and no attributes
+
+
+def _length(vectors: Any) -> Any:  # noqa: ANN401  (of any kind of numbers)
+    """Return the lengths (...) of vectors (3, ...)."""
+    return np.sqrt(np.einsum("i...,i...", vectors, vectors))
 
 
 def _copy(node: Any) -> Any:  # noqa: ANN401

@@ -188,9 +188,9 @@ class Ideal(Sheet):
     def slope(self, slope: ArrayLike, place: ArrayLike = 0) -> Any:  # noqa: ANN401
         """Return the slope behind the sheet of a ray from the eye: `Sheet.slope`."""
         s = np.asarray(slope, complex)
-        bent = self.bend(np.stack(np.broadcast_arrays(s.real, s.imag, 1.0), -1), place)
+        bent = self.bend(np.moveaxis(np.stack(np.broadcast_arrays(s.real, s.imag, 1.0)), 0, -1), place)
         with np.errstate(invalid="ignore"):
-            return (bent[..., 0] + 1j * bent[..., 1]) / bent[..., 2]
+            return bent[..., 0] / bent[..., 2] + 1j * (bent[..., 1] / bent[..., 2])
 
     @cached_property
     def transfer(self) -> Matrix | None:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from povgen.optics.pose import Pose
-from povgen.optics.rays import Bundle, Opening, trace_windows
+from povgen.optics.rays import Bundle, Opening, paths, trace_windows
 from povgen.optics.trace import End
-from povgen.sheets import SHEETS
+from povgen.sheets import IDEAL, SHEETS
 
 
 def sheet(name, aperture=3.0, **values):
@@ -65,6 +65,19 @@ def test_a_room_that_is_moved_as_a_whole_bends_light_alike(rng):
         assert (here.windows[same] == there.windows[same]).all() and (here.end[same] == there.end[same]).all()
         crossings += (here.windows[:, 1:] >= 0).sum()
     assert crossings > 60
+
+
+def test_rays_that_are_followed_in_parts_are_the_same(rng, monkeypatch):
+    """Also where the rays of one part meet fewer windows than those of another."""
+    for _ in range(3):
+        windows, rays = random_room(rng, [*IDEAL])
+        whole, legs = vars(trace_windows(rays, windows, path=True)), paths(rays, windows, 60)
+        monkeypatch.setattr("povgen.optics.rays.PART", 7)
+        for name, values in vars(trace_windows(rays, windows, path=True)).items():
+            np.testing.assert_allclose(values, whole[name], atol=1e-12)
+        for leg, part in zip(legs, paths(rays, windows, 60), strict=True):
+            assert all(map(np.allclose, leg, part))
+        monkeypatch.undo()
 
 
 def test_light_takes_its_path_back(rng):
