@@ -217,9 +217,9 @@ class Traced(_Lines, Rays):
         return self.corners, self.media, self.met
 
     @property
-    def last(self) -> Indices:
+    def last(self) -> NDArray[np.int32]:
         """The number of the last window that each ray has met (...), or -1."""
-        last = np.full(self.shape, -1)
+        last = np.full(self.shape, -1, np.int32)
         for number in np.moveaxis(self.windows, -1, 0):
             last = np.where(number < 0, last, number)
         return last
@@ -231,10 +231,11 @@ class Traced(_Lines, Rays):
         """
         if not self.windows.shape[-1]:
             return np.zeros(self.shape, bool)
-        near, far = np.where(forward, 0, count - 1), np.where(forward, count - 1, 0)
+        first, last, back = self.windows[..., 0], self.last, self.end == End.BACK
+        begins = np.where(forward, first == 0, first == count - 1)
+        ends = np.where(forward == back, last == 0, last == count - 1)
         misses = (abs(np.diff(self.windows)) != 1) & (self.windows >= 0)[..., 1:]
-        ends = (self.windows[..., 0] == near) & (self.last == np.where(self.end == End.BACK, near, far))
-        return np.asarray(ends & ~misses.any(-1))
+        return np.asarray(begins & ends & ~misses.any(-1))
 
     _precision = _PRECISION
 
@@ -468,7 +469,10 @@ class _Way:
             self.events.append(Event(*bent))
         if self.bent is not None and not self.sheets[w]:
             self.bent.append(Bent(i[passed], taken(position, passed), taken(direction, passed), w))
-        self.rays.position[i], self.rays.direction[i] = position, direction
+        # numpy sets whole vectors in four times as long
+        for array, values in zip((self.rays.position, self.rays.direction), (position, direction), strict=True):
+            for numbers, new in zip(array.T, values.T, strict=True):
+                numbers[i] = new
         leaves = ends <= End.BACK
         ends ^= leaves & (self.rays.end[i] == End.BACK)  # light that is sent back twice goes on
         self.rays.end[i] = ends
