@@ -24,7 +24,7 @@ from rich.table import Table
 
 from povgen import Chess, Rendering, Spheres, to_pov
 from povgen.errors import InputError
-from povgen.files import save
+from povgen.files import write
 from povgen.measure import speed
 from povgen.measure.opengl import OpenGLView
 from povgen.rendering import auto
@@ -85,7 +85,7 @@ def kept(text: str, what: object, make: Callable[[], Any]) -> Any:
     key = "\0".join([text, json.dumps(what), AUTO_SOURCE if what == "trial" else ""])
     path = KEPT / f"{sha256(key.encode()).hexdigest()[:32]}.json"
     if not path.is_file():
-        save(json.dumps(make()).encode(), path)
+        write(json.dumps(make()).encode(), path)
     return json.loads(path.read_text())
 
 

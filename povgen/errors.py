@@ -32,13 +32,13 @@ def input_errors() -> Iterator[None]:
         raise InputError(str(error)) from None
 
 
-def shown(value: object) -> str:
-    """Return a value as text for a message: one line of at most 60 characters."""
+def shown(value: object, most: int = 60) -> str:
+    """Return a value as text, as for a message: one line of at most 60 characters, or of `most`."""
     try:
         text = " ".join(line.strip() for line in repr(_plain(value)).splitlines())  # numpy's arrays have several
     except (ValueError, RecursionError):  # a number with thousands of digits, or thousands of nested tables
         return f"a very long {type(value).__name__}"
-    return text if len(text) <= 60 else text[:57] + "..."
+    return text if len(text) <= most else text[: most - 3] + "..."
 
 
 def at_least(limit: float) -> str:

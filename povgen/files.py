@@ -167,7 +167,7 @@ def replacing(target: Path) -> Iterator[Path]:
         part.replace(target)
 
 
-def save(made: bytes | Path, output: Path) -> None:
+def write(made: bytes | Path, output: Path) -> None:
     """Write data, or copy a file, to the output atomically: an older file stays in place until the new one is complete.
 
     If the output is a link, the file that it points to is replaced. The new file gets the mode of the old file, and its

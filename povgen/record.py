@@ -1,8 +1,9 @@
 """The record in a file: how povgen made it, so that it can be made again.
 
-A record is a line with its format and checksum, and then JSON. It is in a part of a PNG file (iTXt), in an attribute of
-an EXR file's header, in a GIF's comment, in a box of an MP4 file (uuid), in a tag of a WebM file, and in a part (PVGN)
-of a WebP file. A file can be a stranger's: every value in it is checked, and nothing is run.
+A record is its format and checksum, and then JSON. It is in a part of a PNG file (iTXt), in an attribute of an EXR
+file's header, in a GIF's comment, in a box of an MP4 file (uuid), in a tag of a WebM file, in a part (PVGN) of a WebP
+file, in a comment of a PDF file or of a text (`COMMENTS`), and under a name of JSON. `save` writes it into every other
+file that povgen makes. A file can be a stranger's: every value in it is checked, and nothing is run.
 """
 
 import json
@@ -16,56 +17,68 @@ import zlib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import wraps
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, ParamSpec, TypeVar
 
 from pydantic import AfterValidator, Field
 
 from povgen.errors import InputError, shown
-from povgen.files import in_home
+from povgen.files import in_home, write
 from povgen.settings import Rendering
 from povgen.validation import Model
+from povgen.version import __version__
 
 T = TypeVar("T")
+P = ParamSpec("P")
+HOME = "https://github.com/povgen/povgen"
+CITE = f"{HOME}; please cite povgen and doi:10.1088/1464-4258/11/8/085705: `povgen cite` prints BibTeX"
 FORMAT = 1  # of records; a povgen that cannot read a new kind of record says so
 MAX_BYTES = 2**24  # of a record
 MAX_FRAMES = 30000  # as many as a movie's spec can have
 MAX_PICTURES = 4  # decoded, each can need 134 MB
 MAX_VALUES = 1000  # of any other list or table in a record: povgen's have up to about 50
-FIRST_LINE = re.compile(rb"povgen record ([0-9]{1,9}) ([0-9a-f]{8})\n")  # the format, and the checksum of the rest
+# the format, and the checksum of the rest; the rest is on the next line, or on the same one, or is a value of JSON
+FIRST_LINE = re.compile(rb'povgen record ([0-9]{1,9}) ([0-9a-f]{8})(?:\n| |":)')
 NAME = b"povgen"  # of the part that holds a record
-PNG, EXR, GIF, WEBM, RIFF = (
-    b"\x89PNG\r\n\x1a\n",
-    b"v/1\x01",
-    b"GIF8",
-    b"\x1aE\xdf\xa3",
-    b"RIFF",
-)  # how these files begin
+# how these files begin
+PNG, EXR, GIF, WEBM = b"\x89PNG\r\n\x1a\n", b"v/1\x01", b"GIF8", b"\x1aE\xdf\xa3"
+RIFF, PDF, GLB = b"RIFF", b"%PDF", b"glTF"
+# the texts of which a comment, at the end, is the record: by their endings, what stands before and after it
+COMMENTS = {
+    **dict.fromkeys((".csv", ".txt", ".obj"), (b"# ", b"\n")),
+    **dict.fromkeys((".svg", ".html"), (b"<!-- ", b" -->\n")),
+    **dict.fromkeys((".pov", ".inc"), (b"// ", b"\n")),
+}
 # the files of pictures, by their endings: what they are called, and how many bits a colour can have, the default first
 PICTURES = {".png": ("a PNG file", (8, 16)), ".exr": ("an EXR file", (32,))}
+DRAWINGS = (".png", ".svg", ".pdf")  # the files of charts and figures
 SRGB = (b"sRGB", b"\0"), (b"gAMA", struct.pack(">I", 45455))  # parts of a PNG file that say which light its bytes mean
 MP4_TYPE = b"uuid" + bytes.fromhex("b3c9d0a15e0f4a0f9a4d706f7667656e")  # of a box that is no standard's
 WEBP_TYPE = b"PVGN"  # of a part that is no standard's
 SEGMENT, TAGS, TAG, TARGETS = b"\x18\x53\x80\x67", b"\x12\x54\xc3\x67", b"\x73\x73", b"\x63\xc0"  # WebM's elements
 SIMPLE_TAG, TAG_NAME, TAG_STRING = b"\x67\xc8", b"\x45\xa3", b"\x44\x87"
-# how povgen's other files begin: pages, tables, captions
+# how povgen's files without a record begin: captions, and the pages and tables of earlier versions
 OWN = re.compile(
     rb'<!DOCTYPE html>.{,200}<meta name="generator" content="povgen |(error,)?quantity,value\n|series,'
     rb"|method,antialias,width,height,CPU s,|!\[[^\n]*\]\(figure[1-6]\.png\)\n",
     re.DOTALL,
 )
-KINDS = "a PNG, EXR, MP4, WebM, WebP or GIF file that povgen wrote"
+KINDS = "a PNG, EXR, MP4, WebM, WebP, GIF, SVG, PDF, CSV, JSON, HTML, OBJ, GLB or .pov file that povgen wrote"
 
 
 class Record(Model):
-    """How povgen made a picture or a movie."""
+    """How povgen made a file. That of a chart, a table, a page or a part has no frames: its command says all."""
 
     povgen: str = Field(description="povgen's version")
-    renderer: str = Field(description="the renderer's version: POV-Ray's, or the device that drew")
-    command: str | None = Field(default=None, description="the command, if a shell's command made the file")
+    cite: str = Field(default="", description="povgen's address, and what to cite")
+    command: str | None = Field(
+        default=None, description="the shell's command, or the call of povgen's function in Python"
+    )
+    renderer: str = Field(default="", description="the renderer's version: POV-Ray's, or the device that drew")
     rendering: Annotated[Rendering, AfterValidator(Rendering.in_default_time)] = Field(
-        description="how the scenes were rendered, without the time limit"
+        default=Rendering(), description="how the scenes were rendered, without the time limit"
     )
     title: str | None = Field(default=None, description="a movie's title")
     frame_rate: Annotated[float, Field(ge=0.1, le=120)] | None = Field(
@@ -74,9 +87,15 @@ class Record(Model):
     pieces: dict[str, str] = Field(default={}, description="the text of each file that declares a piece or a profile")
     pictures: dict[str, str] = Field(default={}, description="PNG files of sky and floor in base 64, if small")
     frames: Annotated[tuple[dict[str, Any], ...], Field(min_length=1, max_length=MAX_FRAMES)] = Field(
+        default=(),
         description=f"each frame's scene, 1 to {MAX_FRAMES}: the first with all parameters, the others with those that "
-        "differ from the first's"
+        "differ from the first's",
     )
+
+    @property
+    def stated(self) -> dict[str, Any]:
+        """What the record states, as JSON has it."""
+        return self.model_dump(mode="json", exclude_unset=True)
 
     @property
     def values(self) -> Iterator[dict[str, Any]]:
@@ -87,11 +106,15 @@ class Record(Model):
 
     def __bytes__(self) -> bytes:
         """The record as it is in a file. Raises InputError if it is too large."""
-        text = json.dumps(self.model_dump(mode="json")).encode()
+        text = json.dumps(self.stated).encode()
         if len(text) > MAX_BYTES:
             size = f"{len(text) / 2**20:.1f} MiB with the text of all pieces"
             raise InputError(f"frames: the record of how the file was made has {size}; allowed: {MAX_BYTES >> 20} MiB")
-        return b"povgen record %d %08x\n" % (FORMAT, zlib.crc32(text)) + text
+        return _headed(text)
+
+
+def _headed(text: bytes) -> bytes:
+    return b"povgen record %d %08x\n" % (FORMAT, zlib.crc32(text)) + text
 
 
 _in_use: ContextVar[tuple[dict[str, str], dict[Any, Any]] | None] = ContextVar("_in_use", default=None)
@@ -137,11 +160,36 @@ def differing(frames: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [first, *map(part, frames[1:])]
 
 
-def shell_command() -> str | None:
-    """Return the command that a shell's user gave, if this process is povgen's command line."""
+_call: ContextVar[str | None] = ContextVar("_call", default=None)
+
+
+def recorded_call(function: Callable[P, T]) -> Callable[P, T]:
+    """Make the call of a function the command in the records of the files that it writes.
+
+    A list of scenes and other values are shortened to 1000 characters.
+    """
+
+    @wraps(function)
+    def called(*arguments: P.args, **options: P.kwargs) -> T:
+        texts = [*map(_as_code, arguments), *(f"{name}={_as_code(value)}" for name, value in options.items())]
+        token = _call.set(_call.get() or f"povgen.{function.__qualname__}({', '.join(texts)})")
+        try:
+            return function(*arguments, **options)
+        finally:
+            _call.reset(token)
+
+    return called
+
+
+def _as_code(value: object) -> str:
+    return shown(str(value) if isinstance(value, Path) else value, 1000)
+
+
+def command() -> str | None:
+    """Return the command that a shell's user gave, if this process is povgen's command line, or the call in Python."""
     program = Path(sys.argv[0]) if sys.argv else Path()
     if program.name != "povgen" and program.parts[-2:] != ("povgen", "__main__.py"):
-        return None
+        return _call.get()
     text = shlex.join(["povgen", *sys.argv[1:]])
     return text.encode(errors="backslashreplace").decode()  # an argument can have bytes that are no text
 
@@ -209,7 +257,8 @@ def _found(path: Path) -> tuple[int, int, str] | None:
         raise ValueError("no regular file")
     with open(path, "rb") as file:
         head = file.read(12)
-        if not (head.startswith((PNG, EXR, GIF, WEBM, RIFF)) or head[4:8] == b"ftyp"):
+        is_binary = head.startswith((PNG, EXR, GIF, WEBM, RIFF, PDF, GLB)) or head[4:8] == b"ftyp"
+        if not head or not (is_binary or path.suffix.lower() in (*COMMENTS, ".json")):
             return None
         with mmap(file.fileno(), 0, access=ACCESS_READ) as data:
             first = FIRST_LINE.search(data)
@@ -241,6 +290,47 @@ def _check_lengths(values: dict[str, Any]) -> None:
 # ---- Writing
 
 
+def save(made: bytes | Path, output: Path) -> None:
+    """Write a file as `files.write` does. All of povgen's files are written here.
+
+    Data get a record if they have none, and if the format has room for one. An STL file has room for HOME alone. A path
+    is of a file that has its record.
+    """
+    if isinstance(made, bytes) and not FIRST_LINE.search(made):
+        made = _with_record(made, output.suffix.lower())
+    write(made, output)
+
+
+def _with_record(made: bytes, suffix: str) -> bytes:
+    """Return the data of a file with this ending, with a record without frames."""
+    record = bytes(Record(povgen=__version__, cite=CITE, command=command()))
+    line = record.replace(b"\n", b" ")
+    if suffix in COMMENTS:
+        before, after = COMMENTS[suffix]
+        if suffix in (".svg", ".html"):  # a comment there cannot have --
+            line = _headed(record.split(b"\n", 1)[1].replace(b"--", rb"-\u002d")).replace(b"\n", b" ")
+        return made + before + line + after
+    if suffix == ".json":
+        return _as_object(record)[:-1] + b"," + made.lstrip()[1:]
+    if made.startswith(PNG):  # behind the header
+        return made[:33] + _png_part(b"iTXt", NAME + bytes(5) + record) + made[33:]
+    if made.startswith(PDF):  # behind the table of objects, which states their places
+        start = made.rindex(b"startxref")
+        return made[:start] + b"% " + line + b"\n" + made[start:]
+    if made.startswith(GLB):  # a header, and then JSON, with spaces at its end
+        end = 20 + int.from_bytes(made[12:16], "little")
+        tree = b'{"extras":' + _as_object(record) + b"," + made[21:end]
+        tree += b" " * (-len(tree) % 4)
+        rest = struct.pack("<I", len(tree)) + made[16:20] + tree + made[end:]
+        return made[:8] + struct.pack("<I", 12 + len(rest)) + rest
+    return f"povgen {__version__}, {HOME}".ljust(80).encode() + made[80:] if suffix == ".stl" else made
+
+
+def _as_object(record: bytes) -> bytes:
+    """Return a record as an object of JSON."""
+    return b'{"%b":%b}' % (*record.split(b"\n", 1),)
+
+
 def in_png(png: bytes, record: Record) -> bytes:
     """Return a PNG file's pixels as a PNG file that says that they are sRGB, and has the record."""
     parts, start = [], len(PNG)
@@ -254,9 +344,11 @@ def in_png(png: bytes, record: Record) -> bytes:
 
 def png_of(parts: Iterable[tuple[bytes, bytes]]) -> bytes:
     """Return the PNG file that consists of parts, each a name and its data."""
-    return PNG + b"".join(
-        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in parts
-    )
+    return PNG + b"".join(_png_part(name, data) for name, data in parts)
+
+
+def _png_part(name: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
 
 def into_movie(movie: Path, record: Record) -> None:

@@ -186,6 +186,20 @@ def preset_of(quality: str) -> Preset:
     return QUALITIES[Sampling(quality=quality).quality]
 
 
+class Print(Model):
+    """How a chart or a figure is written to a file."""
+
+    dpi: Annotated[float, Field(ge=50, le=1200)] | None = Field(
+        default=None, description="dots an inch of a PNG file, and of pictures in other files, 50 to 1200"
+    )
+    width: Annotated[float, Field(ge=20, le=300)] | None = Field(
+        default=None, description="the width on paper in millimetres, 20 to 300; text is scaled with the rest"
+    )
+
+
+AS_DRAWN = Print()
+
+
 class SharedOptions(TypedDict, total=False):
     """The options of all renderers."""
 

@@ -23,7 +23,7 @@ COMMANDS = {
     "frame": "render a scene to a PNG or EXR file, or one again --from its file",
     "movie": "render a movie, or one again --from its file",
     "live": "make a page that shows a scene live, to move in a browser",
-    "info": "print, as JSON, how a picture or a movie was made",
+    "info": "print, as JSON, how a file of povgen's was made",
     "demo": "make a page to teach with: the scene, live, beside the geometry and the equations",
     "check": "test POV-Ray, cache, sandbox and encoder, and say how to mend what does not work",
     "cache": "print what the cache holds, or empty it",

@@ -15,9 +15,8 @@ from povgen.errors import InputError
 from povgen.inputs import mesh
 from povgen.scene.model import EyeAndWindows
 from povgen.scene.room import Room
-from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES
-from povgen.settings import Rendering, Sampling
+from povgen.settings import Print, Rendering, Sampling
 from povgen.sheets import PAPER, PARAMETERS, USED_BY
 from povgen.validation import Model
 
@@ -102,15 +101,16 @@ class Command(click.Command):
 
 
 def fields(*models: str, auto: bool = False) -> Callable[[F], F]:
-    """Add an option for every field of these models: 'scenes' (all scenes), 'rendering' or 'sampling'.
+    """Add an option for every field of these models: 'scenes' (all scenes), 'rendering', 'sampling', 'print'.
 
     'sampling' is the part of 'rendering' that also has an effect if a user starts POV-Ray: quality, size and antialias.
     `auto` adds to the help what --sheet and --renderer take beside their values.
     """
-    groups: dict[str, Iterable[type[Scene] | type[Sampling]]] = {
+    groups: dict[str, Iterable[type[Model]]] = {
         "scenes": SCENES.values(),
         "sampling": [Sampling],
         "rendering": [Rendering],
+        "print": [Print],
     }
     found: dict[str, list[tuple[str, FieldInfo]]] = {}
     for model in chain.from_iterable(groups[group] for group in models):
@@ -141,7 +141,7 @@ def _group(name: str) -> str:
         return OTHERS
     if name in (*PARAMETERS, "sheet", "window", "wavelength", "fresnel", "aperture"):
         return "The sheets"
-    if name in Rendering.model_fields or name in ("view", "background", "sky"):
+    if name in (*Rendering.model_fields, *Print.model_fields, "view", "background", "sky"):
         return "The picture"
     return "The eye" if name in EyeAndWindows.model_fields else "The objects"
 

@@ -14,6 +14,7 @@ from povgen.errors import InputError
 from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
+from povgen.record import save
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
 from povgen.scene.room import Room
@@ -127,7 +128,7 @@ class Live:
     def save(self, path: str | Path) -> Path:
         """Write the page to an .html file and return its path. Raises InputError if it cannot be written."""
         output = files.checked_output(path, [".html"], inputs=input_files([self.scene]))
-        files.save(self.html.encode(), output)
+        save(self.html.encode(), output)
         return output
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from povgen.measure.plotting import COLOURS, GREY, IDEAL, PRISMS, Axes, drawn, plain_ticks, save_table
 from povgen.measure.speed import SIZES, Point
 from povgen.measure.tolerance import Change, percentile
-from povgen.settings import QUALITIES, Rendering
+from povgen.settings import AS_DRAWN, QUALITIES, Print, Rendering
 from povgen.sheets.prisms import ERRORS
 
 FRAMES_HEAD = ("method", "antialias", "width", "height", "CPU s", "RMS", "FLIP")
@@ -29,7 +29,7 @@ def save_frames(points: Sequence[Point], folder: Path) -> None:
 def draw_frames(folder: Path) -> None:
     """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right."""
     with (folder / "frames.csv").open(encoding="utf-8", newline="") as file:
-        _, *rows = csv.reader(file)
+        _, *rows = csv.reader(line for line in file if not line.startswith("#"))  # the record
     for width, height in dict.fromkeys((row[2], row[3]) for row in rows):
         name = f"frames-{width}x{height}"
         with drawn(12, 6.2, folder / f"{name}.png", folder / f"{name}.svg") as figure:
@@ -91,7 +91,7 @@ WHAT = {  # for each error, what is wrong
 EFFECTS = {"displaced": "arcminutes", "turned": "degrees"}  # what is drawn of a `Change`, and its unit
 
 
-def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
+def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed: Print = AS_DRAWN) -> None:
     """Write a chart of how far each error alone displaces and turns the object, and a table beside it, as .csv.
 
     `sensitivities` are those that `tolerance.sensitivities` returns. The errors drawn are 1 degree, 0.01 tiles, and
@@ -101,7 +101,7 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
     sizes = {name: 0.01 if ERRORS[name].unit in ("tiles", "") else 1.0 for name in sensitivities}
     ordered = sorted(sizes, key=lambda name: abs(np.nan_to_num(sizes[name] * sensitivities[name].displaced)))
     table: list[tuple[object, ...]] = []
-    with drawn(11.5, 4.8, path) as figure:
+    with drawn(11.5, 4.8, path, printed=printed) as figure:
         for ax, (field, unit) in zip(figure.subplots(1, 2, sharey=True), EFFECTS.items(), strict=True):
             values = {name: abs(size * float(getattr(sensitivities[name], field))) for name, size in sizes.items()}
             names = [f"{WHAT[name]} by {_with_unit(name, sizes[name])}" for name in ordered]
@@ -116,13 +116,13 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path) -> None:
     save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
 
 
-def save_builds(builds: Change, given: Mapping[str, float], path: Path) -> None:
+def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed: Print = AS_DRAWN) -> None:
     """Write histograms of how far random builds displace and turn the object, and a table of the values, as .csv.
 
     `given` are the standard deviations of the builds' errors, in the errors' units.
     """
     table: list[tuple[object, ...]] = []
-    with drawn(11.5, 5.2, path) as figure:
+    with drawn(11.5, 5.2, path, printed=printed) as figure:
         for ax, (field, unit) in zip(figure.subplots(1, 2), EFFECTS.items(), strict=True):
             found = getattr(builds, field)
             seen = found[np.isfinite(found)]

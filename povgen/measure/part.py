@@ -11,12 +11,13 @@ from pydantic import Field
 
 from povgen import remedies
 from povgen.errors import InputError, input_errors
-from povgen.files import checked_output, save
+from povgen.files import checked_output
 from povgen.objects.window import RIM
 from povgen.optics.faces import GlassSheet, single_prisms
 from povgen.optics.outline import Outline
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
+from povgen.record import recorded_call, save
 from povgen.scene.scene import Scene, checked_scene
 from povgen.scene.scenes import input_files
 from povgen.sheets import SHEETS
@@ -40,6 +41,7 @@ class _Scale(Model):
     tile: Annotated[float, Field(ge=0.01, le=1e5)] = Field(description="millimetres in a tile, 0.01 to 100000")
 
 
+@recorded_call
 @input_errors()
 def part(scene: Scene, output: str | Path, tile: float = 100.0, frame: bool = False) -> Path:
     """Write the scene's sheets of prisms or lenses as closed solids to a .stl, .obj or .glb file. Return its path.

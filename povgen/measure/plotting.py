@@ -1,6 +1,7 @@
 """Drawing with matplotlib: the style of povgen's charts and figures, and how they become files."""
 
 import csv
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from io import BytesIO, StringIO
@@ -9,13 +10,16 @@ from typing import Any
 
 from povgen import fonts, remedies
 from povgen.errors import InputError
-from povgen.files import save
+from povgen.record import save
+from povgen.settings import AS_DRAWN, Print
 
 try:
     import matplotlib
     from cycler import cycler
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.backends.backend_mixed import MixedModeRenderer
+    from matplotlib.backends.backend_pdf import Op, PdfFile, RendererPdf
     from matplotlib.figure import Figure
     from matplotlib.font_manager import fontManager
     from matplotlib.patheffects import withStroke
@@ -46,6 +50,7 @@ STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists e
     "legend.fontsize": 9,
     "axes.prop_cycle": cycler(color=COLOURS),
     "mathtext.fontset": "stix",  # in it an italic nu does not look like a v
+    "pdf.fonttype": 42,  # text stays text, in TrueType
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "povgen",  # the same figure always gives the same file
 }
@@ -59,12 +64,12 @@ def style(**other: object) -> AbstractContextManager[None]:
 
 
 @contextmanager
-def drawn(width: float, height: float, *paths: Path) -> Iterator[Figure]:
-    """Give a figure of this size, in inches, in povgen's style. At the end, write it to files."""
+def drawn(width: float, height: float, *paths: Path, printed: Print = AS_DRAWN) -> Iterator[Figure]:
+    """Give a figure of this size, in inches, in povgen's style. At the end, write it to files as `printed` says."""
     with style():
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure
-        save_drawing(figure, *paths)
+        save_drawing(figure, *paths, printed=printed)
 
 
 def plain_ticks(axis: Axis, subs: tuple[float, ...] = (1, 2, 5)) -> None:
@@ -81,10 +86,34 @@ def save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, .
     save(table.getvalue().encode(), path)
 
 
-def save_drawing(figure: Figure, *paths: Path) -> None:
-    """Write a figure to files. Each file name ends with its format: .png or .svg."""
+def save_drawing(figure: Figure, *paths: Path, printed: Print = AS_DRAWN) -> None:
+    """Write a figure to files. Each file name ends with its format: .png, .svg or .pdf."""
+    dpi = printed.dpi or figure.dpi
+    scale = printed.width / 25.4 / figure.get_figwidth() if printed.width else 1
     for path in paths:
-        image = BytesIO()
-        undated = {"Date": None} if path.suffix == ".svg" else None
-        figure.savefig(image, format=path.suffix[1:], metadata=undated)
+        image, kind = BytesIO(), path.suffix.lower()
+        if kind == ".png":
+            figure.savefig(image, format="png", dpi=dpi * scale, pil_kwargs={"dpi": (dpi, dpi)})
+        elif kind == ".svg":
+            figure.savefig(image, format="svg", dpi=dpi * scale, metadata={"Date": None})
+            width, height = (25.4 * scale * size for size in figure.get_size_inches())
+            size = f'width="{width:.6g}mm" height="{height:.6g}mm"'
+            image = BytesIO(
+                re.sub(r'width="[^"]*pt" height="[^"]*pt"', size, image.getvalue().decode(), count=1).encode()
+            )
+        else:
+            _draw_pdf(figure, image, scale, dpi * scale)
         save(image.getvalue(), path)
+
+
+def _draw_pdf(figure: Figure, file: BytesIO, scale: float, dpi: float) -> None:
+    """Write a figure as a PDF file, with everything in it scaled: matplotlib itself would keep the size of text."""
+    figure.dpi = 72  # PDF's points
+    width, height = figure.get_size_inches()
+    pdf = PdfFile(file, {"CreationDate": None})
+    pdf.newPage(scale * width, scale * height)
+    pdf.width, pdf.height = width, height  # lines are cut off there
+    pdf.output(scale, 0, 0, scale, 0, 0, Op.concat_matrix)
+    renderer: Any = MixedModeRenderer(figure, width, height, dpi, RendererPdf(pdf, dpi, height, width))
+    figure.draw(renderer)
+    pdf.finalize()

@@ -10,7 +10,9 @@ from povgen.files import checked_output
 from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn
 from povgen.optics.rays import Traced
 from povgen.optics.trace import End
+from povgen.record import DRAWINGS, recorded_call
 from povgen.scene.scene import Scene, checked_scene
+from povgen.settings import Print
 
 SIZE = (9, 6)  # inches
 ZOOM = 1.2  # so that the drawing fills the picture
@@ -19,19 +21,29 @@ OBJECT, DESIGNED, STRAY = "#b58900", IDEAL, GREY
 FARTHEST = 4  # what is farther from the eye than this multiple of the windows' distance is left out
 
 
+@recorded_call
 @input_errors()
 def draw(
-    scene: Scene, output: str | Path, traced: Traced | None = None, *, azimuth: float = -65, elevation: float = 20
+    scene: Scene,
+    output: str | Path,
+    traced: Traced | None = None,
+    *,
+    azimuth: float = -65,
+    elevation: float = 20,
+    dpi: float | None = None,
+    width: float | None = None,
 ) -> Path:
-    """Draw the scene in space with rays of light, to scale, and write it to a .png or .svg file. Return its path.
+    """Draw the scene in space with rays of light, to scale, and write it to a .png, .svg or .pdf file. Return its path.
 
     `traced` are rays whose paths were kept: `scene.trace(rays, path=True)`. Without them, they are rays from the eye
     through a grid of points of the picture. Rays on the designed path are red, others grey. A ray that leaves is
     extended by 0.3 of the scene's size. The drawing is seen from this azimuth and elevation, degrees: -90 and 0 are a
-    side view, with z to the right. Raises InputError for a file that cannot be written, for rays without paths, and
+    side view, with z to the right. `dpi`, dots an inch from 50 to 1200, and `width`, millimetres from 20 to 300, are
+    those of the file. Raises InputError for a file that cannot be written, for rays without paths, and
     without matplotlib.
     """
-    scene, target = checked_scene(scene), checked_output(output, [".png", ".svg"])
+    scene, target = checked_scene(scene), checked_output(output, DRAWINGS)
+    printed = Print(dpi=dpi, width=width)
     if traced is not None and not traced.corners.shape[-2]:
         raise ValueError("traced: the paths were not kept; allowed: rays of trace(..., path=True)")
     found = scene.trace(scene.rays(RAYS), path=True) if traced is None else traced
@@ -42,7 +54,7 @@ def draw(
     boxes = [each.edges for each in solid if np.linalg.norm(each.pose.place - eye) < far]
     everything = np.concatenate([eye[None], *edges, *boxes])
     length = 0.3 * float(np.linalg.norm(np.ptp(everything, axis=0)))
-    with drawn(*SIZE, target) as figure:
+    with drawn(*SIZE, target, printed=printed) as figure:
         axes = figure.add_subplot(projection="3d")
 
         def line(points: NDArray[np.float64], colour: str, width: float = 1) -> None:

@@ -12,14 +12,14 @@ from urllib.parse import quote
 
 from povgen import fonts, limits
 from povgen.errors import InputError
-from povgen.files import checked_output, save
+from povgen.files import checked_output
 from povgen.inputs.pieces import PIECES, Piece, PieceFile, radius
 from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.optics import uncertainty
 from povgen.progress import say
-from povgen.record import check_unasked
+from povgen.record import check_unasked, recorded_call, save
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
@@ -41,6 +41,7 @@ KEPT = {"index", "glass", "design_wavelength", "gap", "error"}  # parameters tha
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
+@recorded_call
 def demo(
     output: str | Path | None = None,
     *,

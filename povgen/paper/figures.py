@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from povgen.files import save
 from povgen.measure.plotting import Axes, Figure, save_drawing, style, withStroke
 from povgen.optics import equations
 from povgen.optics.prism import Prism
@@ -32,10 +31,11 @@ from povgen.paper.shapes import (
     write,
     xy,
 )
+from povgen.record import save
 from povgen.rendering.frames import read_png, render_all
 from povgen.scene.scenes import AxialScene, Chess, Spheres
 from povgen.scene.sdl import to_caption
-from povgen.settings import Rendering
+from povgen.settings import AS_DRAWN, Print, Rendering
 from povgen.video import overlay
 from povgen.video.outline import outlines
 
@@ -47,16 +47,19 @@ CONSTANT_ALPHA, CONSTANT_R = "#0b5fa5", "#d1603d"
 Captioned = tuple[Figure, dict[str, object]]  # a figure, and the data for its caption
 
 
-def save_figure(number: int, folder: Path, rendering: Rendering) -> list[Path]:
+def save_figure(
+    number: int, folder: Path, rendering: Rendering, printed: Print = AS_DRAWN, pdf: bool = False
+) -> list[Path]:
     """Write figure `number`, 1 to 6, and return the files: figureN.png, for a line drawing figureN.svg, and figureN.md.
 
-    figureN.md is the caption.
+    figureN.md is the caption. With `pdf` there is also figureN.pdf. By default a figure is 178 mm wide, at 200 dots an
+    inch.
     """
     with style(**PRINT):
         figure, data = FIGURES[number](rendering)
-        kinds = [".png", ".svg"] if number in LINES else [".png"]
+        kinds = [".png", *[".svg"] * (number in LINES), *[".pdf"] * pdf]
         pictures = [folder / f"figure{number}{kind}" for kind in kinds]
-        save_drawing(figure, *pictures)
+        save_drawing(figure, *pictures, printed=printed)
     caption = folder / f"figure{number}.md"
     save(to_caption(number, data).encode(), caption)
     return [*pictures, caption]

@@ -251,6 +251,8 @@ def checked_scenes(scenes: Iterable[object], most: int) -> list[Scene]:
 def recorded(path: Any, kind: type[Scene] = Scene) -> tuple[Record, list[Any]]:  # noqa: ANN401  (any object)
     """Return the record in a file that povgen wrote, and the scene of every frame, of this class. Raises InputError."""
     record = info(path)
+    if not record.frames:
+        raise InputError(f"{str(path)!r}: its record has no scene; allowed: a picture or a movie")
     try:
         return record, of_record(record, kind)
     except InputError as error:

@@ -15,9 +15,9 @@ from pydantic import Field
 
 from povgen import stopping
 from povgen.errors import InputError, one_line, shown
-from povgen.files import as_path, check_new_folder, checked_output, output_folder, save, temporary_folder
+from povgen.files import as_path, check_new_folder, checked_output, output_folder, temporary_folder
 from povgen.progress import bar
-from povgen.record import MAX_FRAMES, check_unasked, in_png
+from povgen.record import MAX_FRAMES, check_unasked, in_png, recorded_call, save
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import views
 from povgen.scene.scene import Scene, checked_scenes
@@ -65,6 +65,7 @@ class Movie:
         return f'<video controls loop src="data:video/{kind};base64,{data}"></video>'
 
 
+@recorded_call
 def movie(
     spec: MovieSpec | str | Path | Iterable[Scene],
     output: str | Path,

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL.Image import Image, fromarray
 
-from povgen import files
+from povgen import files, record
 from povgen.errors import InputError, TransientError, shown
 from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PieceFile
 from povgen.progress import bar, parts
-from povgen.record import MAX_FRAMES, MAX_PICTURES, PICTURES, Record, differing, in_png, shell_command
+from povgen.record import CITE, MAX_FRAMES, MAX_PICTURES, PICTURES, Record, command, differing, in_png, recorded_call
 from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
@@ -161,6 +161,7 @@ def show(scene: Scene, **options: Unpack[Options]) -> Image:
     return fromarray(render(checked_scene(scene), **options))
 
 
+@recorded_call
 def save(scene: Scene, path: str | Path, **options: Unpack[Options]) -> Path:
     """Write the scene's picture to a PNG or EXR file and return its path. The file is written atomically.
 
@@ -170,7 +171,7 @@ def save(scene: Scene, path: str | Path, **options: Unpack[Options]) -> Path:
     scene, rendering = checked_scene(scene), rendering_for(path, options)
     output = files.checked_output(path, PICTURES, inputs=input_files([scene]))
     target = output.resolve()  # the current folder may change meanwhile
-    files.save(as_file(scene, rendering, output.suffix), target)
+    record.save(as_file(scene, rendering, output.suffix), target)
     return output
 
 
@@ -234,8 +235,9 @@ def record_of(
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     made = Record(
         povgen=__version__,
+        cite=CITE,
+        command=command(),
         renderer=drawn_by(rendering.renderer),
-        command=shell_command(),
         rendering=rendering.model_dump(),
         title=title,
         frame_rate=frame_rate,

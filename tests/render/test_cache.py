@@ -225,7 +225,7 @@ def test_rays_are_traced_once(monkeypatch):
 def test_an_output_keeps_its_mode(made, tmp_path):
     def saved(name):
         (tmp_path / "made").write_bytes(b"new")
-        files.save(b"new" if made == "data" else tmp_path / "made", tmp_path / name)
+        files.write(b"new" if made == "data" else tmp_path / "made", tmp_path / name)
         assert (tmp_path / name).read_bytes() == b"new"
         return stat.S_IMODE((tmp_path / name).stat().st_mode)
 

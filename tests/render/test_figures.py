@@ -1,18 +1,21 @@
 """The paper's figures: nothing is cut off, and the measured data of their captions agree with the equations."""
 
+import re
+import zlib
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from conftest import some
+from PIL import Image
 
 from povgen import Spheres
 from povgen.optics import equations
 from povgen.paper import agreement, figures
 from povgen.paper.figures import FIGURES, save_figure
 from povgen.rendering.frames import read_png
-from povgen.settings import Rendering
+from povgen.settings import Print, Rendering
 
 LINE_DRAWINGS = {1, 2, 5}  # the others have many frames: they are made with the release
 # The smallest pictures at which the coded piece is still measured to 2 degrees.
@@ -55,6 +58,26 @@ class Made(dict):
         text = (folder / f"figure{number}.md").read_text()
         self[number] = read_png(folder / f"figure{number}.png"), text, *data
         return self[number]
+
+
+def test_pdf_for_a_journal(tmp_path):
+    """A size in millimetres; text is text, in TrueType; no line is cut off."""
+    files = save_figure(1, tmp_path, Rendering(), Print(dpi=600, width=84), pdf=True)
+    assert [path.suffix for path in files] == [".png", ".svg", ".pdf", ".md"]
+    with Image.open(files[0]) as image:
+        assert image.width == 84 / 25.4 * 600 // 1 and image.info["dpi"] == pytest.approx((600, 600), abs=0.01)
+    assert 'width="84mm" height="37.2mm" viewBox="0 0 504 223.2"' in files[1].read_text()
+    pdf = files[2].read_bytes()
+    box = [float(x) for x in re.search(rb"/MediaBox \[ 0 0 (\S+) (\S+) \]", pdf).groups()]
+    assert box == pytest.approx([84 / 25.4 * 72, 37.2 / 25.4 * 72])
+    assert b"/FontFile2" in pdf and b"/Type3" not in pdf
+    streams = [each[1] for each in re.finditer(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL)]
+    page = next(text for each in streams if each[0] == 0x78 and b" TJ" in (text := zlib.decompress(each)))
+    written = b"".join(re.findall(rb"\((.*?)(?<!\\)\)", page)).replace(b"\0", b"").decode("latin-1")
+    assert "mirrorplane" in written.replace(" ", "") and "totalreflectionatthebase" in written.replace(" ", "")
+    scale = float(re.search(rb"(\S+) 0 0 \S+ 0 0 cm\n", page.partition(b" j\n")[2])[1])
+    ends = [float(x) for x in re.findall(rb"\n(\S+) \S+ [ml]\n", page)]
+    assert scale == pytest.approx(84 / 25.4 / 7) and 0.9 * 504 < max(ends) <= 504
 
 
 @pytest.fixture(scope="module")

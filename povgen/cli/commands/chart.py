@@ -6,8 +6,8 @@ import click
 
 from povgen.cli import options
 from povgen.cli.command import Command
-from povgen.files import save
 from povgen.progress import say
+from povgen.record import save
 from povgen.scene.scenes import Chess
 
 

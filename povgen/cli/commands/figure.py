@@ -1,14 +1,15 @@
 """The command povgen figure."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from povgen.cli import options
-from povgen.cli.command import Command
+from povgen.cli.command import Command, fields
 from povgen.errors import InputError
 from povgen.progress import wrote
-from povgen.settings import Rendering
+from povgen.settings import Print, Rendering
 
 
 @click.command("figure", cls=Command)
@@ -21,18 +22,22 @@ from povgen.settings import Rendering
     show_default=True,
     help="quality of the frames: draft, standard, high or hd",
 )
-def command(numbers: tuple[str, ...], output: Path, quality: str) -> None:
+@click.option("--pdf", is_flag=True, help="also write PDF files, in which text is text")
+@fields("print")
+def command(numbers: tuple[str, ...], output: Path, quality: str, pdf: bool, **values: Any) -> None:  # noqa: ANN401
     """Make figures of the paper (PNG, for drawings also SVG), with captions that say how well they agree with it."""
-    rendering = Rendering(quality=quality)
+    rendering, printed = Rendering(quality=quality), Print(**values)
     for number in numbers:
         if number not in list("123456"):
             raise InputError(
                 f"number = {number!r}: the paper has no such figure; allowed: 1, 2, 3, 4, 5 or 6, with spaces between"
             )
-    files = {f"figure{number}.md": [f"figure{number}.{kind}" for kind in ("md", "png", "svg")] for number in numbers}
+    files = {
+        f"figure{number}.md": [f"figure{number}.{kind}" for kind in ("md", "png", "svg", "pdf")] for number in numbers
+    }
     with options.made_folder(output, files) as folder:
         from povgen.paper.figures import save_figure  # after all checks, because matplotlib is slow to load
 
         for number in numbers:
-            for path in save_figure(int(number), folder, rendering):
+            for path in save_figure(int(number), folder, rendering, printed, pdf):
                 wrote(path)

@@ -8,9 +8,9 @@ import click
 from povgen.cli import options
 from povgen.cli.command import Command, fields
 from povgen.errors import InputError
-from povgen.files import checked_output, save
+from povgen.files import checked_output
 from povgen.progress import wrote
-from povgen.record import PICTURES, check_unasked
+from povgen.record import PICTURES, check_unasked, save
 from povgen.scene.scenes import input_files
 from povgen.video.still import as_file, rendering_for
 

@@ -9,9 +9,10 @@ from povgen.cli import options
 from povgen.cli.command import Command, fields
 from povgen.cli.report import warn
 from povgen.errors import InputError
-from povgen.files import checked_output, save
+from povgen.files import checked_output
 from povgen.inputs.pictures import used
 from povgen.progress import say
+from povgen.record import save
 from povgen.scene.room import Room
 from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets

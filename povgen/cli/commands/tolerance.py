@@ -16,10 +16,11 @@ from povgen.errors import InputError, one_line
 from povgen.files import checked_output
 from povgen.measure import tolerance
 from povgen.progress import tell
-from povgen.record import check_unasked
+from povgen.record import DRAWINGS, check_unasked
 from povgen.rendering.parallel import worker_count
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import checked_axial, input_files
+from povgen.settings import Print
 from povgen.sheets.prisms import ERRORS
 
 
@@ -39,10 +40,10 @@ from povgen.sheets.prisms import ERRORS
 @options.scheduler
 @options.output(
     "FILE",
-    "also draw a chart into this .png file, and write its numbers beside it, as .csv: of random builds, or without "
-    "--deviation of each error",
+    "also draw a chart into this .png, .svg or .pdf file, and write its numbers beside it, as .csv: of random builds, "
+    "or without --deviation of each error",
 )
-@fields("scenes")
+@fields("scenes", "print")
 def command(
     scene: str,
     deviation: Sequence[str],
@@ -54,6 +55,7 @@ def command(
     **values: Any,  # noqa: ANN401  (texts and Booleans)
 ) -> None:
     """Trace how errors of building a pair of sheets change what is seen: for each error, and for random builds."""
+    printed = Print(**{name: values.pop(name) for name in Print.model_fields if name in values})
     made = checked_axial(options.scene_of(scene, values), "povgen tolerance")
     count = worker_count(workers)
     warn_unused(values, [made])
@@ -72,7 +74,7 @@ def command(
     units = {name: {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of") for name in found}
     _print("what each error changes", "a unit of the error", ((f"{units[name]} {name}", found[name]) for name in found))
     if output and not random:
-        charts.save_sensitivities(found, output)
+        charts.save_sensitivities(found, output, printed)
     if random:
         differing = tolerance.builds(made, random, count, scheduler)
         deviations = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
@@ -83,7 +85,7 @@ def command(
         )
         _print(title, "of the builds", percentiles)
         if output:
-            charts.save_builds(differing, spread.deviation, output)
+            charts.save_builds(differing, spread.deviation, output, printed)
     if output and table_file:
         tell(f"wrote {one_line(str(output))} and {one_line(table_file.name)}")
 
@@ -92,7 +94,7 @@ def _checked_files(output: Path | None, scene: Scene) -> tuple[Path | None, Path
     """Return the files of the chart and of its numbers. Raises InputError if one of them cannot be written."""
     if output is None:
         return None, None
-    output = checked_output(output, [".png"], inputs=input_files([scene]))
+    output = checked_output(output, DRAWINGS, inputs=input_files([scene]))
     table_file = checked_output(output.with_suffix(".csv"), [".csv"], inputs=input_files([scene]))
     check_unasked([table_file])
     return output, table_file

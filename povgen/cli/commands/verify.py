@@ -18,8 +18,9 @@ from rich.table import Table
 from povgen.cli import options
 from povgen.cli.command import Command
 from povgen.errors import InputError
-from povgen.files import checked_output, save
+from povgen.files import checked_output
 from povgen.measure.measured import Measured
+from povgen.record import save
 from povgen.rendering import gl_runner, povray
 from povgen.version import __version__
 
