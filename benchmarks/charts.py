@@ -19,7 +19,7 @@ from povgen import Chess, movie, to_pov
 from povgen.files import temporary_folder
 from povgen.measure import charts, speed
 from povgen.measure.measured import SMALL, px, rms
-from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn, plain_ticks, save_table
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn, plain_ticks, save_table, table_rows
 from povgen.measure.targets import located, other_targets, series_targets, targets
 from povgen.progress import say
 from povgen.rendering import parallel
@@ -194,8 +194,7 @@ def draw(folder: Path) -> None:
     """Draw the charts of the tables in a folder."""
     charts.draw_frames(folder)
     for name, drawing in DRAWINGS.items():
-        _, *rows = csv.reader((folder / f"{name}.csv").open())
-        drawing(rows, folder)
+        drawing(table_rows(folder / f"{name}.csv"), folder)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,11 @@
 """Charts of what was measured, and the same data as CSV: cost and error of pictures, and errors of building."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from povgen.measure.plotting import COLOURS, GREY, IDEAL, PRISMS, Axes, drawn, plain_ticks, save_table
+from povgen.measure.plotting import COLOURS, GREY, IDEAL, PRISMS, Axes, drawn, plain_ticks, save_table, table_rows
 from povgen.measure.speed import SIZES, Point
 from povgen.measure.tolerance import Change, percentile
 from povgen.settings import AS_DRAWN, QUALITIES, Print, Rendering
@@ -28,8 +27,7 @@ def save_frames(points: Sequence[Point], folder: Path) -> None:
 
 def draw_frames(folder: Path) -> None:
     """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right."""
-    with (folder / "frames.csv").open(encoding="utf-8", newline="") as file:
-        _, *rows = csv.reader(line for line in file if not line.startswith("#"))  # the record
+    rows = table_rows(folder / "frames.csv")
     for width, height in dict.fromkeys((row[2], row[3]) for row in rows):
         name = f"frames-{width}x{height}"
         with drawn(12, 6.2, folder / f"{name}.png", folder / f"{name}.svg") as figure:

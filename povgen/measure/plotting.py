@@ -32,7 +32,7 @@ except ImportError:
 # for the modules that draw
 __all__ = [
     "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Figure", "drawn", "plain_ticks", "save_drawing",
-    "save_table", "style", "withStroke",
+    "save_table", "style", "table_rows", "withStroke",
 ]  # fmt: skip
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
 GREY = "#777777"
@@ -84,6 +84,12 @@ def save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, .
     table = StringIO()
     csv.writer(table, lineterminator="\n").writerows([head, *rows])
     save(table.getvalue().encode(), path)
+
+
+def table_rows(path: Path) -> list[list[str]]:
+    """Return the rows of a .csv file that `save_table` wrote, without the head and the record."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return [*csv.reader(line for line in file if not line.startswith("#"))][1:]
 
 
 def save_drawing(figure: Figure, *paths: Path, printed: Print = AS_DRAWN) -> None:

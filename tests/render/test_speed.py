@@ -1,6 +1,5 @@
 """`povgen chart` with few and small pictures, and the charts of docs/speed.md."""
 
-import csv
 import shutil
 
 import charts as benchmark
@@ -13,6 +12,7 @@ from povgen import Chess, to_pov
 from povgen.cli.app import app
 from povgen.errors import InputError
 from povgen.measure import speed
+from povgen.measure.plotting import table_rows
 
 TABLES = PROJECT / "docs" / "chart"
 
@@ -30,11 +30,6 @@ def small(monkeypatch):
         monkeypatch.setattr(speed, name, value)
 
 
-def table(file):
-    _, *rows = csv.reader(file.open())
-    return rows
-
-
 @pytest.mark.parametrize("live", [False, pytest.param(True, marks=pytest.mark.release)])
 def test_the_command_writes_charts_and_tables(live, small, tmp_path, monkeypatch):
     def no_browser():
@@ -46,7 +41,7 @@ def test_the_command_writes_charts_and_tables(live, small, tmp_path, monkeypatch
     assert done.exit_code == 0 and ("without the live view: no Chromium" in done.output) == (not live), done.output
     names = {"frames.csv", "machine.txt", "frames-80x60.png", "frames-80x60.svg"}
     assert {path.name for path in tmp_path.iterdir()} == names
-    rows = {(row[0], row[1]): [*map(float, row[4:])] for row in table(tmp_path / "frames.csv")}
+    rows = {(row[0], row[1]): [*map(float, row[4:])] for row in table_rows(tmp_path / "frames.csv")}
     assert len(rows) == 2 * 2 * (2 + live) and all(seconds > 0 for seconds, *_ in rows.values())
     error = {name: rms for name, (_, rms, _) in rows.items()}
     for sheet in ("detailed", "ideal"):

@@ -237,7 +237,7 @@ def test_random_builds_agree_with_the_sensitivities(found):
 @pytest.fixture
 def figures(monkeypatch):
     drawn = []
-    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *paths: drawn.append(figure))
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *_, **__: drawn.append(figure))
     return drawn
 
 
@@ -249,7 +249,7 @@ def test_the_chart_of_builds_counts_those_that_are_seen(figures, tmp_path):
     assert sum(bar.get_height() for bar in ax.patches) == 99 and ax.get_ylabel() == "builds, of 100; not seen: 1"
     assert [text.get_text() for text in ax.get_legend().texts] == ["50 %: at most 0.51", "95 %: at most 0.96"]
     rows = (tmp_path / "builds.csv").read_text("utf-8").splitlines()
-    assert rows[1] == '"displaced, arcminutes",0.01' and rows[-1] == '"turned, degrees",nan'
+    assert rows[1] == '"displaced, arcminutes",0.01' and rows[-2] == '"turned, degrees",nan'
     charts.save_builds(tolerance.Change(*np.full((4, 5), np.nan)), {"turn": 0.1}, tmp_path / "builds.png")
     assert not figures[1].axes[0].lines
 
