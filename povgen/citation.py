@@ -2,11 +2,13 @@
 
 from povgen.version import __version__
 
+HOME = "https://github.com/povgen/povgen"
+CITE = f"{HOME}; please cite povgen and doi:10.1088/1464-4258/11/8/085705: `povgen cite` prints BibTeX"
 ENTRIES = f"""@software{{povgen,
   title = {{povgen: POV-Ray scenes and movies of Dove-prism sheets that rotate the direction of light rays}},
   author = {{{{The povgen authors}}}},
   version = {{{__version__}}},
-  url = {{https://github.com/povgen/povgen}},
+  url = {{{HOME}}},
 }}
 
 @article{{hamilton2009local,

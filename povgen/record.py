@@ -24,6 +24,7 @@ from typing import Annotated, Any, ParamSpec, TypeVar
 
 from pydantic import AfterValidator, Field
 
+from povgen.citation import CITE, HOME
 from povgen.errors import InputError, shown
 from povgen.files import in_home, write
 from povgen.settings import Rendering
@@ -32,8 +33,6 @@ from povgen.version import __version__
 
 T = TypeVar("T")
 P = ParamSpec("P")
-HOME = "https://github.com/povgen/povgen"
-CITE = f"{HOME}; please cite povgen and doi:10.1088/1464-4258/11/8/085705: `povgen cite` prints BibTeX"
 FORMAT = 1  # of records; a povgen that cannot read a new kind of record says so
 MAX_BYTES = 2**24  # of a record
 MAX_FRAMES = 30000  # as many as a movie's spec can have

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from PIL.Image import Image, fromarray
 
 from povgen import files, record
+from povgen.citation import CITE
 from povgen.errors import InputError, TransientError, shown
 from povgen.inputs.pictures import Picture
 from povgen.inputs.pieces import PieceFile
 from povgen.progress import bar, parts
-from povgen.record import CITE, MAX_FRAMES, MAX_PICTURES, PICTURES, Record, command, differing, in_png, recorded_call
+from povgen.record import MAX_FRAMES, MAX_PICTURES, PICTURES, Record, command, differing, in_png, recorded_call
 from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count

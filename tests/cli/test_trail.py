@@ -11,11 +11,12 @@ from conftest import PROJECT, povgen
 from PIL import Image
 
 from povgen import Chess, InputError, draw, info, live, part
+from povgen.citation import CITE, HOME
 from povgen.cli.app import COMMANDS, app
 from povgen.measure import speed, stability, verify
 from povgen.measure.plotting import drawn, save_table
 from povgen.measure.stability_map import StabilityMap
-from povgen.record import CITE, HOME, check_unasked, save
+from povgen.record import check_unasked, save
 from povgen.version import __version__
 
 SMALL = ["--sheet", "none", "--size", "32x32"]
