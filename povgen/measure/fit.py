@@ -1,13 +1,15 @@
 """Parameters of a scene from points that were marked in a photograph: least squares, with standard errors."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.errors import InputError, input_errors, shown
 from povgen.optics.equations import Floats, real
+from povgen.optics.values import Values
 from povgen.scene.scenes import AxialScene, checked_axial
 
 STEPS = 60  # of the search, at most
@@ -17,7 +19,8 @@ Off = Callable[[Floats], Floats]  # from parameters to the residuals: predicted 
 PARTS = {"eye_x": ("eye", 0), "eye_y": ("eye", 1), "look_x": ("look", 0), "look_y": ("look", 1)}
 
 
-class Fit(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Values):
     """Parameters that fit best."""
 
     scene: AxialScene  # with these parameters
@@ -26,6 +29,10 @@ class Fit(NamedTuple):
     covariance: Floats  # (parameters, parameters); infinite variances where the points do not determine a parameter
     rms: float  # of the distances between marked and predicted points, tiles
     warning: str  # which parameters the points do not determine; empty if they determine all
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} = {value:.4g} ± {self.errors[name]:.2g}" for name, value in self.values.items())
+        return f"<Fit: {found}; rms {self.rms:.2g} tiles>"
 
 
 @input_errors()

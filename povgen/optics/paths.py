@@ -6,6 +6,7 @@ their designed light, for rays at small angles to the normal.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -15,6 +16,7 @@ from povgen.optics.apparent import nearest_rays
 from povgen.optics.equations import Complexes
 from povgen.optics.faces import Booleans, Floats, Indices
 from povgen.optics.rays import Bundle, Opening, nearest, slope_of_light
+from povgen.optics.values import Values
 
 MOST = 6  # windows on a path
 STARTS = 2  # rays from which a path through a sequence of windows is searched for
@@ -45,12 +47,14 @@ class View(Protocol):
         """Return where the eye sees points (..., 3) without windows, NaN if they are not before it."""
 
 
-class Image(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Image(Values):
     """Where the eye sees a point by one path of its light."""
 
     position: complex  # in the picture's plane, x + iy, tiles
     windows: tuple[str, ...]  # the names of those on the path, the nearest to the eye first
-    corners: Floats  # (windows + 2, 3): the eye, where light leaves the sheets towards the point, and the point
+    # (windows + 2, 3): the eye, where light leaves the sheets towards the point, and the point
+    corners: Floats = field(repr=False)
 
 
 class Leg(NamedTuple):

@@ -23,6 +23,7 @@ from povgen.optics.outline import Outline
 from povgen.optics.pose import Pose
 from povgen.optics.ray_path import Event, Steps
 from povgen.optics.trace import CHUNK, End, Rays, trace
+from povgen.optics.values import Values
 
 # A law states the slope behind an ideal sheet for each slope before it. Of light, which comes from behind, only the
 # slope behind is known. The slope before the sheet is searched for: first from the slope behind it, then from these.
@@ -86,7 +87,7 @@ class Convergence(NamedTuple):
     rms: float  # distance of the rays from the middle, in this plane
 
 
-class _Lines:
+class _Lines(Values):
     """The base class of rays outside the windows. Each ray is a straight line."""
 
     position: Floats
@@ -175,7 +176,7 @@ def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         raise ValueError(f"{name}: allowed: an array of real numbers") from None
 
 
-@dataclass(eq=False, repr=False)  # arrays have no single answer to ==
+@dataclass(eq=False, repr=False)
 class Traced(_Lines, Rays):
     """Where and how the rays of a bundle end. All arrays begin with the bundle's shape.
 
@@ -240,13 +241,20 @@ class Traced(_Lines, Rays):
     _precision = _PRECISION
 
 
-@dataclass(frozen=True, eq=False)  # arrays have no single answer to ==
-class Spot:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spot(Values):
     """A spot diagram: where the rays of a pencil cross a plane."""
 
     points: NDArray[np.complex128]  # x + iy (n,), tiles
     z: float  # of the plane, tiles
     share: float  # of the pencil's rays, 0 to 1: the others are lost, or stray light
+
+    def __repr__(self) -> str:
+        return f"<Spot: {len(self)} points at z = {self.z:g}, rms {self.rms:.3g} tiles>"
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.points)
 
     @property
     def centre(self) -> complex:

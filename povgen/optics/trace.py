@@ -40,6 +40,7 @@ from povgen.optics.polarisation import reflection
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.optics.ray_path import Steps
+from povgen.optics.values import Values
 
 CHUNK = 80000  # rays at a time: enough that the long paths of few rays cost little
 
@@ -55,8 +56,8 @@ class End(IntEnum):
     BLOCKED = 5  # meets an ideal sheet through which no light of this direction passes
 
 
-@dataclass(eq=False)  # arrays have no single answer to ==
-class Rays:
+@dataclass(eq=False)
+class Rays(Values):
     """Where and how n rays end."""
 
     position: Floats  # where the ray leaves the last sheet, or ends, (n, 3)

@@ -15,7 +15,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, radians, sqrt
-from typing import Any, Literal, Unpack, cast
+from typing import Any, Literal, TypeVar, Unpack, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,9 @@ from povgen.scene.scenes import AxialScene, checked_axial, pieces
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.scene.white import WHITE
 from povgen.settings import Options, Renderer, Rendering, SharedOptions
+from povgen.validation import is_several
 
+Given = TypeVar("Given", AxialScene, Sequence[AxialScene])
 FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the sky
 # Samplings, the cheapest first. The ideal sheet (or no sheet) needs fewer rays than prisms. The last sampling of the
 # ideal sheet costs about as much as the first one of the prisms. All are POV-Ray's own methods, because small
@@ -106,15 +108,15 @@ class _MosaicRendering(Rendering):
 
 
 def cheapest(
-    scene: AxialScene,
+    scene: Given,
     tolerance: str,
     *,
     renderer: Renderer | Literal["auto"] = "povray",
     **options: Unpack[SharedOptions],
-) -> tuple[AxialScene, Options]:
+) -> tuple[Given, Options]:
     """Return the scene with the cheapest sheets within a tolerance, and the options of `render` that belong to it.
 
-    This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
+    Of several scenes, as of a movie, all get the same sheets. This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
     Example: `scene, options = povgen.cheapest(Chess(), "1px,0.2flip", quality="high")`, and `render(scene, **options)`.
     The tolerance is the largest error of positions in pixels (1px), of the picture as mean FLIP (0.2flip), or both.
     Options are the fields of `Rendering`. With antialias, no other sampling is tried. With renderer="auto", the
@@ -123,11 +125,15 @@ def cheapest(
     """
     renderers: Sequence[Any] = RENDERERS if renderer == "auto" else (renderer,)
     limit, rendering = Tolerance.parse(tolerance), Rendering(**{**options, "renderer": renderers[-1]})
-    prisms = checked_axial(scene, "sheet = 'auto'").replace(sheet="detailed")
+    given: list[AxialScene] = [*scene] if is_several(scene) else [scene]  # type: ignore[list-item]
+    prisms = [checked_axial(each, "sheet = 'auto'").replace(sheet="detailed") for each in given]
+    if not prisms:
+        raise InputError("scene: an empty list; allowed: one or more scenes")
     antialias = rendering.sampling if "antialias" in options else None
-    choice, _ = choose([prisms], rendering, limit, antialias, renderers)
+    choice, _ = choose(prisms, rendering, limit, antialias, renderers)
     chosen = {**options, "antialias": choice.antialias, "renderer": choice.renderer}
-    return prisms.replace(sheet=choice.sheet), cast(Options, chosen)
+    found = [each.replace(sheet=choice.sheet) for each in prisms]
+    return cast(Given, found if is_several(scene) else found[0]), cast(Options, chosen)
 
 
 def choose(

@@ -62,8 +62,8 @@ def test_a_bundle_keeps_its_own_numbers():
     pixels = Chess().rays((4, 4))
     pixels.position[0, 0, 0] = 1
     assert pixels.position[..., 0].sum() == 1
-    for bundle in (pixels, Chess().trace(pixels)):
-        assert bundle == bundle and bundle != Chess().trace(pixels) and len({bundle, bundle}) == 1
+    for bundle, same in ((pixels, pixels[:]), (Chess().trace(pixels), Chess().trace(pixels))):
+        assert bundle == same and bundle != Chess(alpha=1).trace(pixels) and bundle != bundle[:3] and bundle != 3
         assert len(bundle) == 4 and repr(bundle[:3]) == str(bundle[:3]) == f"<{type(bundle).__name__}: 3 x 4 rays>"
 
 
@@ -74,6 +74,9 @@ def test_one_ray_and_no_rays():
         assert one.shape == () and one.designed == scene.trace(Bundle([(0.1, 0.02, -5)], (0, 0.1, 1))).designed[0]
     none = Chess().spot((0, 0, 3), 3, count=1, middle=1.49 + 1.49j, radius=1e-9)  # it meets the frame
     assert none.share == 0 and np.isnan(none.rms) and np.isnan(none.centre)
+    assert none == Chess().spot((0, 0, 3), 3, count=1, middle=1.49 + 1.49j, radius=1e-9) and len(none) == 0
+    some = Chess().spot((0, 0, 3), 3, count=20)
+    assert some != none and repr(some) == f"<Spot: {len(some.points)} points at z = 3, rms {some.rms:.3g} tiles>"
 
 
 def test_how_rays_end():
