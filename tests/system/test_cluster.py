@@ -215,6 +215,7 @@ def test_pictures_and_results_of_many_scenes(shared, tmp_path, monkeypatch):
         away.setattr("povgen.rendering.results._computed", None)
         pictures = render(SCENES[:3], scheduler=shared.address, **options)
         table = results(SCENES, "M", "x", scheduler=shared.address, progress=False)
+        swept = results(SCENES[0], "nu", alpha=(0, 90), scheduler=shared.address, progress=False).to_xarray()
         wrong = "^worker tcp:.*it has .*; wanted, as on this machine: nix$"
         away.setattr(cluster, "versions", lambda _: "nix")
         with pytest.raises(PovrayError, match=wrong):
@@ -223,6 +224,7 @@ def test_pictures_and_results_of_many_scenes(shared, tmp_path, monkeypatch):
     assert all(np.array_equal(*both) for both in zip(pictures, render(SCENES[:3], **options), strict=True))
     own = results(SCENES, "M", "x", progress=False)
     assert list(table) == ["z2", "M", "x"]
+    assert swept.nu.dims == ("alpha",) and swept.nu[0] == 0 < swept.nu[1]
     for name in own:
         np.testing.assert_allclose(table[name], own[name], 1e-12)
 
