@@ -37,6 +37,7 @@ FORMAT = 1  # of records; a povgen that cannot read a new kind of record says so
 MAX_BYTES = 2**24  # of a record
 MAX_FRAMES = 30000  # as many as a movie's spec can have
 MAX_PICTURES = 4  # decoded, each can need 134 MB
+MOST_ITEMS = 20  # of a list in a call's text
 MAX_VALUES = 1000  # of any other list or table in a record: povgen's have up to about 50
 # the format, and the checksum of the rest; the rest is on the next line, or on the same one, or is a value of JSON
 FIRST_LINE = re.compile(rb'povgen record ([0-9]{1,9}) ([0-9a-f]{8})(?:\n| |":)')
@@ -165,7 +166,7 @@ _call: ContextVar[str | None] = ContextVar("_call", default=None)
 def recorded_call(function: Callable[P, T]) -> Callable[P, T]:
     """Make the call of a function the command in the records of the files that it writes.
 
-    A list of scenes and other values are shortened to 1000 characters.
+    Lists of scenes or numbers are shortened to MOST_ITEMS, and values to 1000 characters.
     """
 
     @wraps(function)
@@ -181,6 +182,8 @@ def recorded_call(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def _as_code(value: object) -> str:
+    if (isinstance(value, list) or getattr(value, "ndim", 0)) and len(value) > MOST_ITEMS:  # type: ignore[arg-type]
+        return f"{shown([*value[:MOST_ITEMS]], 1000)[:-1]}, ...]"  # type: ignore[index]
     return shown(str(value) if isinstance(value, Path) else value, 1000)
 
 

@@ -116,7 +116,8 @@ def cheapest(
 ) -> tuple[Given, Options]:
     """Return the scene with the cheapest sheets within a tolerance, and the options of `render` that belong to it.
 
-    Of several scenes, as of a movie, all get the same sheets. This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings.
+    This is the choice of --sheet auto among the scene's prisms, the ideal sheet and no sheet, and among samplings. Of
+    several scenes, as of a movie, all get the same.
     Example: `scene, options = povgen.cheapest(Chess(), "1px,0.2flip", quality="high")`, and `render(scene, **options)`.
     The tolerance is the largest error of positions in pixels (1px), of the picture as mean FLIP (0.2flip), or both.
     Options are the fields of `Rendering`. With antialias, no other sampling is tried. With renderer="auto", the

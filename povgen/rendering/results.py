@@ -15,6 +15,7 @@ from povgen.errors import InputError, shown
 from povgen.inputs.fields import as_tuple
 from povgen.optics.equations import Floats
 from povgen.progress import bar
+from povgen.record import recorded_call
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
 from povgen.rendering.table import Table
 from povgen.scene.quantities import PREDICTED, QUANTITIES, STACKED, parameters, stacked
@@ -30,6 +31,7 @@ Done = Callable[[], object]
 Lists = Mapping[str, list[Any]]  # the values of each parameter that is swept
 
 
+@recorded_call
 def results(
     scenes: Scene | Iterable[Scene],
     *quantities: str,

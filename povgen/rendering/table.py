@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen import remedies
-from povgen.citation import ENTRIES
+from povgen.citation import CITE, ENTRIES
 from povgen.errors import InputError
 from povgen.optics.faces import Indices
+from povgen.record import Record, command
 from povgen.scene.quantities import QUANTITIES, RAYS, SHARES, unit
 from povgen.scene.scene import Scene
 from povgen.version import __version__
@@ -29,7 +30,7 @@ class Table(dict[str, NDArray[Any]]):
         `scene` is one of the scenes, or None if there are none.
         """
         self.parameters = {f"scene_{name}" if name in quantities else name: each for name, each in parameters.items()}
-        self.scene = scene
+        self.scene, self.command = scene, command()
         super().__init__({**self.parameters, **quantities})
 
     def to_xarray(self) -> Any:  # noqa: ANN401  (an xarray.Dataset)
@@ -37,17 +38,17 @@ class Table(dict[str, NDArray[Any]]):
 
         If the scenes are all combinations of some parameters' values, these parameters are its dimensions. Otherwise it
         has one dimension, scene. Attributes of variables are units and meanings. A share of traced rays has its
-        standard error beside it, as designed_error. The dataset's attributes have all parameters of the first scene, as
-        JSON, and BibTeX entries.
+        standard error beside it, as designed_error. The dataset's attributes have BibTeX entries and, as JSON, a record
+        with the call of `results` and all parameters of the first scene.
         """
         try:
             import xarray
         except ImportError:
             raise InputError(f"to_xarray needs xarray, which is not installed: {remedies.extra('xarray')}") from None
 
-        about = {"source": f"povgen {__version__}", "references": ENTRIES}
-        if self.scene is not None:
-            about["record"] = json.dumps({"scene": self.scene.name, **self.scene.model_dump(mode="json")})
+        frames = [] if self.scene is None else [{"scene": self.scene.name, **self.scene.model_dump(mode="json")}]
+        record = Record(povgen=__version__, cite=CITE, command=self.command, **({"frames": frames} if frames else {}))
+        about = {"source": f"povgen {__version__}", "references": ENTRIES, "record": json.dumps(record.stated)}
         axes = _axes(self.parameters, len(next(iter(self.values()))))
         variables: dict[str, tuple[list[str], NDArray[Any], dict[str, str]]] = {}
         for name, column in self.items():

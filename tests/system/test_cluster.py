@@ -215,7 +215,7 @@ def test_pictures_and_results_of_many_scenes(shared, tmp_path, monkeypatch):
         away.setattr("povgen.rendering.results._computed", None)
         pictures = render(SCENES[:3], scheduler=shared.address, **options)
         table = results(SCENES, "M", "x", scheduler=shared.address, progress=False)
-        swept = results(SCENES[0], "nu", alpha=(0, 90), scheduler=shared.address, progress=False).to_xarray()
+        swept = results(Chess(), "nu", alpha=(0, 90), scheduler=shared.address, progress=False).to_xarray()
         wrong = "^worker tcp:.*it has .*; wanted, as on this machine: nix$"
         away.setattr(cluster, "versions", lambda _: "nix")
         with pytest.raises(PovrayError, match=wrong):

@@ -16,10 +16,12 @@ import xarray
 from povgen import Chess, InputError, Spheres, results, stopping
 from povgen.inputs import mesh
 from povgen.optics import equations, series
+from povgen.record import Record
 from povgen.rendering import parallel, survey_cache
 from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
 from povgen.scene import survey
+from povgen.scene.scene import of_record
 from povgen.sheets import SHEETS
 
 SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
@@ -228,8 +230,9 @@ def test_a_dataset(tmp_path, monkeypatch):
         assert float(data.designed_error.sel(prisms=10, glass="N-SF11")) == pytest.approx(np.sqrt(p * (1 - p) / 10_000))
         assert data.designed.attrs["ancillary_variables"] == "designed_error" and "nu_error" not in data
         assert data.nu.attrs == {"units": "degrees", "long_name": "the angle by which it appears turned"}
-        made = json.loads(data.attrs["record"])
-        assert made.pop("scene") == "chess" and Chess(**made) == scene.replace(glass="BK7")
+        record = Record(**json.loads(data.attrs["record"]))
+        assert of_record(record) == [scene.replace(glass="BK7")] and "povgen cite" in record.cite
+        assert record.command.startswith("povgen.results(Chess(prisms=30), 'designed', 'nu', prisms=(30, 10, 20)")
         assert "Local light-ray rotation" in data.attrs["references"] and data.attrs["source"].startswith("povgen 0.")
     assert pandas.DataFrame(table).to_dict("list") == {name: column.tolist() for name, column in table.items()}
     monkeypatch.setitem(sys.modules, "xarray", None)
