@@ -2,6 +2,7 @@ from povgen.errors import InputError as InputError
 from povgen.errors import PovrayError as PovrayError
 from povgen.liveview.view import live as live
 from povgen.measure.fit import fit as fit
+from povgen.measure.irradiance import irradiance as irradiance
 from povgen.measure.opengl import points as points
 from povgen.measure.part import part as part
 from povgen.measure.space import draw as draw

@@ -11,6 +11,7 @@ import numpy as np
 
 from povgen import limits
 from povgen.measure import probes
+from povgen.measure.irradiance import irradiance
 from povgen.measure.measured import px, rms
 from povgen.measure.probes import Directions, Floats, Light, Mask, PiecePositions, Positions, Size, White
 from povgen.measure.rounding import decided_by_rounding
@@ -26,6 +27,7 @@ from povgen.scene import camera, survey
 from povgen.scene.scenes import AxialScene
 
 Numbers = Sequence[float]
+SCREEN, PIXELS = 6.0, 48  # the side of the screen of `screens`, tiles and pixels
 Way = Callable[[Sequence[Any], Size], Numbers]
 
 
@@ -218,6 +220,32 @@ def ghosts(scenes: Sequence[Positions], size: Size) -> Numbers:
             (seen, *_), *_ = np.linalg.lstsq(basis, P[taken], rcond=None)
             (others if any(ghost.orders) else own).append(px(abs(seen - ghost.position)))
     return max(own), max(others), len(others)
+
+
+def screens(scenes: Sequence[Positions], size: Size) -> Numbers:
+    """Compare the irradiance on a screen at the eye's distance, by light of a point at L, with the law of cos^3.
+
+    Light from L to a point of the screen passes the window at P of eq. 7, and the area of the window is enlarged as P
+    says. Return how much the RMS of the differences, divided by their standard errors, differs from 1, and how much the
+    power that enters differs from the window's solid angle, percent. The worst of the scenes.
+    """
+    half, off, power = SCREEN / 2, [], []
+    middles = half * ((np.arange(PIXELS) + 0.5) * 2 / PIXELS - 1)
+    Q = middles - 1j * middles[:, None]
+    for scene in scenes:
+        L, z1 = scene.L, scene.z1
+        found = irradiance(scene, (L.real, L.imag, z1), -scene.z2, extent=(-half, half) * 2, size=(PIXELS, PIXELS))
+        alpha = radians(scene.sheets[0].values.get("alpha", 0))
+        P = equations.apparent_position(L, Q, z1, scene.z2, alpha)
+        enlarged = abs(1 - scene.z2 / equations.depth(z1, scene.z2, alpha)) ** 2
+        law = z1 / np.hypot(z1, abs(P - L)) ** 3 * enlarged
+        inside = np.maximum(abs(P.real), abs(P.imag)) < 0.8 * scene.aperture / 2
+        off.append(abs(rms((found.total - law)[inside] / found.error[inside]) - 1))
+        x, y = (np.array([-0.5, 0.5]) * scene.aperture - part for part in (L.real, L.imag))
+        z = z1 - scene.depth / 2
+        corner = np.arctan(x * y[:, None] / (z * np.sqrt(x**2 + y[:, None] ** 2 + z**2)))
+        power.append(100 * abs(found.entering / (corner[0, 0] - corner[0, 1] - corner[1, 0] + corner[1, 1]) - 1))
+    return max(off), max(power)
 
 
 def field_of_view(scenes: Sequence[AxialScene], size: Size) -> Numbers:

@@ -119,6 +119,13 @@ def ideal() -> Iterator[Check]:
     yield parallax("alpha = 180 deg: image distance -z1", *({"alpha": 180, "z1": z1} for z1 in (1.0, 2.0, 4.0)))
     scenes = [Positions(sheet=sheet, alpha=0, z1=2, extent=2) for sheet in ("ideal", "none")]
     yield Check("ideal", compare.change, scenes, [("alpha = 0: change of what a pixel shows, worst", 0.05, "px")])
+    kinds = (("none", 0), ("ideal", 66), ("ideal", -120))
+    points = [Positions(sheet=sheet, alpha=alpha, z1=2, z2=3, L=0.3 + 0.2j) for sheet, alpha in kinds]
+    lines = [
+        ("irradiance by a point: abs(1 - RMS of the differences from cos^3 / standard errors), worst of {n}", 0.1, ""),
+        ("irradiance by a point: power that enters against the solid angle, worst of {n}", 0.3, "%"),
+    ]
+    yield Check("ideal", compare.screens, points, lines, wrong={"alpha": 5})
     for sheet, scenes in other_targets().items():
         line = f"sheet {sheet}: apparent position, {{n}} scenes, worst", 0.1, "px"
         yield Check("ideal", compare.positions, scenes, [line], HD, {"L": 0.05})  # some kinds have no alpha

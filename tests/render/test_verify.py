@@ -33,6 +33,7 @@ WAYS = {
     "prediction": (4, (240, 180)),
     "power_law": (24, SMALL),
     "ghosts": (1, (400, 250)),
+    "screens": (3, SMALL),
     "field_of_view": (3, SMALL),
     "hyperbola": (7, (240, 180)),
     "designed_fraction": (2, SMALL, SIZE),
@@ -65,7 +66,7 @@ RENDER = ("positions", "directions", "pieces", "change", "pixels")  # in every r
         pytest.param(way, every, marks=[pytest.mark.release] * (every or way not in RENDER))
         for way in WAYS
         for every in (False, True)
-        if way not in ("ghosts", "field_of_view")
+        if way not in ("ghosts", "screens", "field_of_view")
     ],
 )
 def test_bounds_hold(way, every):
@@ -125,9 +126,11 @@ def test_bounds_hold_for_exact_probes_and_fail_for_other_scenes(way, every, monk
         assert figures and all(measured.holds for measured in figures), figures
         with monkeypatch.context() as patch:
             patch.setattr(probes, "decoded", lambda scenes, size, check=check: exact(other(check, scenes), size))
-            if way == "ghosts":  # which renders nothing
+            if way in ("ghosts", "screens"):  # which render nothing
                 trace, wrong = probes.Positions.trace, partial(other, check)
-                patch.setattr(probes.Positions, "trace", lambda scene, *a, t=trace, w=wrong: t(*w([scene]), *a))
+                patch.setattr(
+                    probes.Positions, "trace", lambda scene, *a, t=trace, w=wrong, **k: t(*w([scene]), *a, **k)
+                )
             assert way == "field_of_view" or not all(measured.holds for measured in check.measured()), figures
 
 
