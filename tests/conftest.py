@@ -261,28 +261,6 @@ def rng():
     return np.random.default_rng(2009)
 
 
-@pytest.fixture(scope="session")
-def started_drawing():
-    """A runner of the renderer gl whose processes go on to the next picture: to start one takes longer than to draw."""
-    from povgen.rendering import gl_runner
-
-    class Lasting(gl_runner.Runner):
-        def stop(self):
-            pass
-
-    runner = Lasting()
-    yield runner
-    gl_runner.Runner.stop(runner)
-
-
-@pytest.fixture
-def drawing(started_drawing, monkeypatch):
-    """The renderer gl draws all pictures of the test with processes that earlier tests have started."""
-    from povgen.rendering import gl_runner
-
-    monkeypatch.setattr(gl_runner, "Runner", lambda *_: started_drawing)
-
-
 @contextmanager
 def started_browser(script="", mesa=False):
     """Start a Chromium whose pages wait long, and run a script first.

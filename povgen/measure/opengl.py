@@ -60,5 +60,5 @@ class OpenGLView:
 
     def _drawn(self, shader_name: str, **asked: object) -> bytes:
         with temporary_folder() as folder:
-            gl_runner.shared().draw(self.source(shader_name), folder / "drawn", TIMEOUT, asked)
+            gl_runner.Runner().draw(self.source(shader_name), folder / "drawn", TIMEOUT, asked)
             return (folder / "drawn").read_bytes()

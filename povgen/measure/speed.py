@@ -87,7 +87,7 @@ def drawn_sample(view: OpenGLView, sampling: str, size: Size) -> tuple[float, Pi
     If the scene has been drawn before, this does not include the time to start OpenGL and to compile the shaders.
     """
     with temporary_folder() as folder:
-        before, runner = cpu_seconds(), gl_runner.shared()
+        before, runner = cpu_seconds(), gl_runner.Runner()
         rendering = Rendering(renderer="gl", size=size, antialias=sampling)
         picture = read_png(runner.run(view.source(), rendering, folder))
         return cpu_seconds() - before + runner.cpu_seconds[-1], picture

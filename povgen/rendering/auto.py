@@ -182,8 +182,7 @@ def choose(
     reason = f"; {ladders[0][0]} exceeds it" if len(kept) < len(ladders) else ""
     if tolerance.flip == inf:
         return kept[0][0], f"{kept[0][0]}: the cheapest within tolerance{reason}"
-    with _Trial(scenes, rendering) as trial:
-        return _cheapest(kept, trial, tolerance.flip, reason)
+    return _cheapest(kept, _Trial(scenes, rendering), tolerance.flip, reason)
 
 
 def _cheapest(ladders: Sequence[list[Candidate]], trial: "_Trial", most: float, reason: str) -> tuple[Candidate, str]:
@@ -237,14 +236,6 @@ class _Trial:
         self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], rendering.size))]
         self.size, self.timeout = rendering.size, rendering.timeout
         self.converged = self._pictures("detailed", CONVERGED)
-        self._drawing: gl_runner.Runner | None = None  # one for all candidates: a process takes long to start
-
-    def __enter__(self) -> "_Trial":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._drawing:
-            self._drawing.stop()
 
     def of(self, candidate: Candidate) -> Candidate:
         """Return the candidate with its mean FLIP and its margin, from the scene where their sum is greatest."""
@@ -278,14 +269,16 @@ class _Trial:
 
     def _cut(self, sheet: str, antialias: str) -> list[Picture]:
         """Return the mosaics, cut out of whole pictures that the renderer gl draws."""
-        self._drawing = self._drawing or gl_runner.Runner()
-        rendering = Rendering(renderer="gl", size=self.size, antialias=antialias, timeout=self.timeout)
+        runner, rendering = (
+            gl_runner.Runner(),
+            Rendering(renderer="gl", size=self.size, antialias=antialias, timeout=self.timeout),
+        )
         mosaics = []
         for scene, part in self.mosaics:
             shown = scene.model_copy(update={"sheet": sheet})
             source = gl_scene.to_text(shown, volumes(pieces(shown), timeout=self.timeout), survey_cache.found(shown))
             with temporary_folder() as folder:
-                whole = read_png(self._drawing.run(source, rendering, folder))
+                whole = read_png(runner.run(source, rendering, folder))
             rows = [[whole[y : y + part.side, x : x + part.side] for x, y in row] for row in part.blocks]
             mosaics.append(np.vstack([np.hstack(row) for row in rows]))
         return mosaics

@@ -156,7 +156,7 @@ def render(source: str, rendering: Rendering, shown: dict[str, bytes]) -> bytes:
     files = [pictures.kept(name, content) for name, content in shown.items()]
     with temporary_folder() as folder:
         if rendering.renderer == "gl":
-            picture = gl_runner.shared().run(source, rendering, folder).read_bytes()
+            picture = gl_runner.Runner().run(source, rendering, folder).read_bytes()
         else:  # a worker renders in each of its threads
             at_once = distributed.get_worker().state.nthreads
             picture = povray.run(source, rendering, folder, at_once).read_bytes()

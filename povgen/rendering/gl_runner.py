@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import subprocess
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
@@ -30,17 +31,17 @@ WITHOUT_GPU = re.compile("llvmpipe|softpipe|swrast|software|swiftshader|basic re
 CRASHES = {signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGILL, signal.SIGFPE}
 CODE = Path(__file__).with_name("gl.py")  # that draws
 POVRAY = "allowed: renderer = 'povray'"
-Answer = tuple[subprocess.Popen[bytes], dict[str, Any]]  # a process, and the line with which it answers
+Process = subprocess.Popen[bytes]
+Answer = tuple[Process, dict[str, Any]]  # a process, and the line with which it answers
+# Processes that wait for the next picture of a runner that draws one at once: to start one takes longer than to draw.
+# They end with this Python. A Python that was forked, which has another number, has its own.
+_waiting: defaultdict[int, list[Process]] = defaultdict(list)
 
 
 @cache
 def device() -> str:
     """Return the name of the device that draws, and OpenGL's version. Raises what `Runner` and its `device` raise."""
-    runner = Runner()
-    try:
-        return runner.device()
-    finally:
-        runner.stop()
+    return Runner().device()
 
 
 def at_once() -> int:
@@ -48,18 +49,11 @@ def at_once() -> int:
     return cores() if WITHOUT_GPU.search(device()) else min(ON_GPU, cores())
 
 
-def shared() -> "Runner":
-    """Return a runner that goes on until this Python ends. A process that was forked has another one."""
-    return _shared(os.getpid())
-
-
-@cache
-def _shared(_: int) -> "Runner":
-    return Runner()
-
-
 class Runner:
-    """Processes that draw, which can be stopped together. There is one for each picture that is drawn at once."""
+    """Processes that draw, which can be stopped together. There is one for each picture that is drawn at once.
+
+    If it draws one picture at once, its process then waits for the next runner.
+    """
 
     def __init__(self, at_once: int = 1, part: Callable[[float], None] | None = None) -> None:
         """Prepare to draw `at_once` pictures at once. Raises InputError if moderngl is not installed.
@@ -72,8 +66,9 @@ class Runner:
             )
         self._part = part
         self._threads = max(1, cores() // at_once)
-        self._idle: list[subprocess.Popen[bytes]] = []
-        self._all: set[subprocess.Popen[bytes]] = set()
+        self._own: list[Process] = []  # those that wait and end with this runner
+        self._idle = _waiting[os.getpid()] if at_once == 1 else self._own
+        self._busy: set[Process] = set()
         self._stopped = False
         self.cpu_seconds: list[float] = []  # of each picture; that of a process's first one includes its start
 
@@ -122,24 +117,29 @@ class Runner:
         """Kill every process of this runner, and start no more."""
         with stopping.lock:
             self._stopped = True
-            processes = list(self._all)
-        for process in processes:
+            busy = list(self._busy)
+        for process in busy:
             self._end(process)
         with suppress(IndexError):  # another thread may take the last one
             while True:
-                with self._idle.pop():  # no thread reads from these pipes
-                    pass
+                with self._own.pop() as process:  # no thread reads from its pipes
+                    end(process)
 
     def _idle_after(self, work: Callable[[], Answer]) -> dict[str, Any]:
         """Return a process's answer; the process then waits for the next picture. Try twice if it crashes or hangs."""
         process, answer = tried(work, f"; {POVRAY}")
-        self._idle.append(process)
+        with stopping.lock:
+            self._check()  # it was stopped after the answer, and so was the process
+            self._busy.discard(process)
+            self._idle.append(process)
         return answer
 
-    def _taken(self) -> "subprocess.Popen[bytes]":
-        with suppress(IndexError):
+    def _taken(self) -> Process:
+        with stopping.lock, suppress(IndexError):
+            self._check()
             while (process := self._idle.pop()).poll() is not None:  # it was killed while it had nothing to draw
                 self._end(process)
+            self._busy.add(process)
             return process
         return self._started()[0]
 
@@ -148,7 +148,7 @@ class Runner:
             self._check()
             # the number of threads of llvmpipe, Mesa's driver that draws without a GPU
             process = python("povgen.rendering.gl", LP_NUM_THREADS=str(self._threads))
-            self._all.add(process)
+            self._busy.add(process)
         answer = self._answer(process, START)
         if "error" in answer:
             self._end(process)
@@ -159,9 +159,7 @@ class Runner:
             )
         return process, answer
 
-    def _answer(
-        self, process: "subprocess.Popen[bytes]", timeout: float, asked: dict[str, Any] | None = None
-    ) -> dict[str, Any]:
+    def _answer(self, process: Process, timeout: float, asked: dict[str, Any] | None = None) -> dict[str, Any]:
         """Return the line with which a process answers. Raises TransientError, and ends the process, if none comes."""
         assert process.stdin and process.stdout
         late = Event()
@@ -199,10 +197,10 @@ class Runner:
         crash = ": the graphics driver crashed" if -status in CRASHES else ", perhaps because memory is short"
         raise TransientError(f"the drawing process was killed by signal {-status}{crash}")
 
-    def _end(self, process: "subprocess.Popen[bytes]") -> None:
+    def _end(self, process: Process) -> None:
         end(process)
         with stopping.lock:
-            self._all.discard(process)
+            self._busy.discard(process)
 
     def _check(self) -> None:
         if self._stopped:

@@ -116,7 +116,7 @@ def test_the_error_of_a_reduced_picture_is_estimated(sampling):
 
 
 @pytest.mark.parametrize("tolerance", [0.25, pytest.param(0.12, marks=pytest.mark.release)])
-def test_the_renderer_is_chosen_too(tolerance, drawing):
+def test_the_renderer_is_chosen_too(tolerance):
     chosen, why = choose([Chess()], SMALL, Tolerance(flip=tolerance), renderers=RENDERERS)
 
     def error(antialias):
@@ -171,7 +171,7 @@ def test_flip_is_needed_for_pictures_alone(monkeypatch):
     assert choose([Chess()], SMALL, Tolerance(px=0.1))[0].sheet == "detailed"
 
 
-def test_the_command(tmp_path, drawing):
+def test_the_command(tmp_path):
     arguments = ["frame", "chess", "--sheet", "auto", "--tolerance", "9px", "--size", "64x48"]
     status, _, errors = povgen(arguments, tmp_path)
     assert status == 0 and errors.startswith("povgen: sheet ideal, antialias ")

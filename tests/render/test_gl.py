@@ -159,7 +159,7 @@ def test_costs_are_measured_against_povrays():
     assert 0 < ideal.value and 0 < detailed.value < 5
 
 
-def test_a_piece_of_ones_own(tmp_path, drawing):
+def test_a_piece_of_ones_own(tmp_path):
     file = tmp_path / "ball.inc"
     file.write_text("#declare Piece = sphere { 0.4*y, 0.4 }\n")
     scene = Chess(piece=str(file), sheet="none")
@@ -175,7 +175,7 @@ def test_a_piece_of_ones_own(tmp_path, drawing):
     ("renderer", "factor"),
     some([("gl", "1e-19"), ("povray", "*".join(6 * ["1e-30"])), ("gl", "1e20")], 2, several=True),
 )
-def test_the_length_of_a_laws_direction_does_not_matter(renderer, factor, drawing):
+def test_the_length_of_a_laws_direction_does_not_matter(renderer, factor):
     made = [
         povgen.render(scene, size=SIZE, antialias="off", renderer=renderer)
         for scene in (
@@ -208,7 +208,7 @@ def test_a_law_that_32_bits_cannot_hold_is_refused(law, drawn):
 
 @pytest.mark.parametrize("renderer", ["gl", "povray"])
 @pytest.mark.parametrize(("law", "passes"), [("z*7e5, z*7e5, z", True), ("z*7.2e5, z*7.2e5, z", False)])
-def test_light_nearly_parallel_to_a_sheet_is_blocked(renderer, law, passes, drawing):
+def test_light_nearly_parallel_to_a_sheet_is_blocked(renderer, law, passes):
     """Where z of the new unit direction is 1e-6."""
     picture = povgen.render(Chess(sheet="law", law=law), size=(32, 32), antialias="off", renderer=renderer)
     assert (picture[16, 16].max() > 0) == passes
@@ -256,7 +256,7 @@ def test_tiles_are_the_whole_picture(drawer):
 # ---- As an option ----
 
 
-def test_transparent_stereo_caption_and_overlay(drawing):
+def test_transparent_stereo_caption_and_overlay():
     options = {"renderer": "gl", "size": (96, 72), "antialias": "off"}
     sky = povgen.render(Chess(sheet="ideal"), **options)
     clear = povgen.render(Chess(sheet="ideal", background="transparent"), **options)
@@ -392,7 +392,7 @@ def test_what_a_driver_or_python_writes_is_no_answer(text, tmp_path, monkeypatch
 def test_a_hanging_driver_is_ended(text, runner, tmp_path):
     with pytest.raises(PovrayError, match=r"took longer than 0.01 s \(--timeout\) and was stopped, 2 times"):
         runner.run(text, SMALL.replace(timeout=0.01, size=(640, 480)), tmp_path)
-    assert not runner._all
+    assert not runner._busy
 
 
 def test_two_pictures_at_once_do_not_disturb_each_other(text, tmp_path):
@@ -402,7 +402,7 @@ def test_two_pictures_at_once_do_not_disturb_each_other(text, tmp_path):
         folder.mkdir()
     with ThreadPoolExecutor(2) as pool:
         pngs = {path.read_bytes() for path in pool.map(lambda folder: runner.run(text, SMALL, folder), folders)}
-    assert len(pngs) == 1 and len(runner._all) == 2
+    assert len(pngs) == 1 and len(runner._own) == 2
     runner.stop()
 
 
@@ -417,7 +417,7 @@ def test_stopping_ends_a_picture(text, runner, tmp_path):
 
     thread = threading.Thread(target=draw)
     thread.start()
-    wait_for(lambda: runner._all and (tmp_path / gl_runner.SCENE).exists())
+    wait_for(lambda: runner._busy and (tmp_path / gl_runner.SCENE).exists())
     runner.stop()
     thread.join()
     assert errors == ["the drawing was stopped"]  # and not that its picture was drawn first
