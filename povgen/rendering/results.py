@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from itertools import islice, product
 from math import prod
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,9 @@ from povgen.progress import bar
 from povgen.record import recorded_call
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
 from povgen.rendering.table import Table
-from povgen.scene.quantities import PREDICTED, QUANTITIES, STACKED, parameters, stacked
-from povgen.scene.scene import Scene, checked_scenes
-from povgen.scene.scenes import SCENES, AxialScene, checked_axial
+from povgen.scene.quantities import ANYWHERE, PREDICTED, QUANTITIES, STACKED, parameters, stacked
+from povgen.scene.scene import Scene, checked_scene, checked_scenes, classes
+from povgen.scene.scenes import SCENES, AxialScene
 from povgen.validation import as_flag, hashable, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
@@ -43,17 +43,18 @@ def results(
     """Return a table with a row for each scene: a dictionary of arrays (n,), such as pandas.DataFrame takes.
 
     `results(scene, "nu", alpha=range(180), z1=(1, 2))` is for the scene with all combinations of these values. The last
-    parameter's value changes first. The columns are the parameters in which the scenes differ, by names such as alpha,
-    eye_x, window2_z and z1_2, and the quantities. `povgen.scene.quantities` says what they are. Two columns cannot have
-    one name: beside the quantity x, the parameter x is the column scene_x.
+    parameter's value changes first. For a room: `results(room, "x", **{"left.alpha": range(180)})`. The columns are the
+    parameters in which the scenes differ, by names such as alpha, eye_x, window2_z and z1_2, and the quantities.
+    `povgen.scene.quantities` says what they are. Two columns cannot have one name: beside the quantity x, the parameter
+    x is the column scene_x.
     Lengths are in tiles, angles in degrees. A number that does not exist is NaN, a missing text is empty.
     `Table.to_xarray` returns the table as a dataset.
 
     What equations give for scenes that differ in alpha, z1 and z2 is computed at once. For the rest, `workers`
     processes compute at once, by default one for each core. With `scheduler`, the address of a Dask scheduler, its
     workers compute all instead. `progress=False` shows no progress bar. Raises InputError for what is no scene or no
-    quantity, for a room, if no quantity is given, for values that are not allowed or no lists, and for `workers` or a
-    `scheduler` that is not allowed. Raises PovrayError if the cluster fails.
+    quantity, if no quantity is given, for a quantity that a room does not have, for values that are not allowed or no
+    lists, and for `workers` or a `scheduler` that is not allowed. Raises PovrayError if the cluster fails.
     """
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
     if wrong or not quantities:
@@ -63,27 +64,28 @@ def results(
     hidden, at_once = not as_flag("progress", progress), PREDICTED.issuperset(quantities) and scheduler is None
     lists = _lists(swept)
     if lists:
-        scene = checked_axial(scenes, "a table of quantities")
+        scene = _checked(scenes, quantities)
         if at_once and (table := _of_sweep(scene, lists, quantities)) is not None:
             return table
-        scenes = [scene.replace(**dict(zip(lists, values, strict=True))) for values in product(*lists.values())]
-    checked = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
-    axial = [checked_axial(scene, "a table of quantities") for scene in checked]
-    differ = _differing(axial) if axial else []
-    found = np.full((len(axial), len(quantities)), np.nan)
-    left = _predict(axial, differ, quantities, found) if at_once else [*range(len(axial))]
+        scenes = [_with(scene, dict(zip(lists, values, strict=True))) for values in product(*lists.values())]
+    given = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
+    for each in given:
+        _checked(each, quantities)
+    differ = _differing(given) if given else []
+    found = np.full((len(given), len(quantities)), np.nan)
+    left = _predict(given, differ, quantities, found) if at_once else [*range(len(given))]
     if left:
-        some = [axial[n] for n in left]
+        some = [given[n] for n in left]
         with bar("results", len(some), hidden, "scenes") as done:
             if scheduler is None:
                 found[left] = _computed(some, quantities, count, done)
             else:
                 found[left] = _on_cluster(some, quantities, scheduler, done)
-    columns = _columns(axial, differ, lists)
-    return Table(columns, dict(zip(quantities, found.T, strict=True)), axial[0] if axial else None)
+    columns = _columns(given, differ, lists)
+    return Table(columns, dict(zip(quantities, found.T, strict=True)), given[0] if given else None)
 
 
-def values_of(scenes: Sequence[AxialScene], quantities: Sequence[str]) -> list[list[float]]:
+def values_of(scenes: Sequence[Scene], quantities: Sequence[str]) -> list[list[float]]:
     """Return the quantities of each scene."""
     return [[float(QUANTITIES[name].of(scene)) for name in quantities] for scene in scenes]
 
@@ -101,7 +103,24 @@ def _lists(swept: Mapping[str, Iterable[Any]]) -> Lists:
     return lists
 
 
-def _of_sweep(scene: AxialScene, lists: Lists, quantities: Sequence[str]) -> Table | None:
+def _checked(scene: object, quantities: Sequence[str]) -> Scene:
+    """Return the scene. Raises InputError if it is none, and for a room's quantities that only others have."""
+    found = checked_scene(scene)
+    if wrong := [name for name in quantities if name not in ANYWHERE and not isinstance(found, AxialScene)]:
+        raise InputError(
+            f"quantity = {wrong[0]!r}: not for a room; allowed: {', '.join(ANYWHERE)}, or {classes(AxialScene)}"
+        )
+    return found
+
+
+def _with(scene: Scene, values: dict[str, Any]) -> Scene:
+    """Return a copy with these values. Those of a room's things have names such as left.alpha."""
+    inside = {name: value for name, value in values.items() if "." in name and scene.parts}
+    made = scene.replace(**{name: value for name, value in values.items() if name not in inside})
+    return made.with_numbers(inside) if inside else made
+
+
+def _of_sweep(scene: Scene, lists: Lists, quantities: Sequence[str]) -> Table | None:
     """Return the table of predictions for all combinations of parameters of STACKED; None if they take no arrays.
 
     Only scenes with the least and the greatest values are made and checked: what is allowed is a range of each.
@@ -110,7 +129,7 @@ def _of_sweep(scene: AxialScene, lists: Lists, quantities: Sequence[str]) -> Tab
     plain = all(name in STACKED and each.dtype.kind in "iuf" and each.ndim == 1 for name, each in values.items())
     outlined = getattr(scene, "predicted_image", False)  # not allowed at the pole
     moving = "z2" in lists and "z1" not in lists and getattr(scene, "z1", None) is None  # spheres, with the eye
-    if not plain or outlined or moving or type(scene) not in SCENES.values():
+    if not plain or outlined or moving or not _is_known(scene):
         return None
     for ends in product(*((each.min().item(), each.max().item()) for each in values.values())):
         scene.replace(**dict(zip(lists, ends, strict=True)))
@@ -129,14 +148,17 @@ def _of_stack(scene: AxialScene, values: Mapping[str, Floats], quantities: Seque
     return np.array([np.broadcast_to(QUANTITIES[name].of(stack), values["z1"].shape) for name in quantities], float)
 
 
+def _is_known(scene: Scene) -> TypeGuard[AxialScene]:
+    """Return whether a scene is one of povgen's own, with windows on one axis."""
+    return isinstance(scene, AxialScene) and type(scene) in SCENES.values()
+
+
 def _first_z1(scene: AxialScene) -> float:
     given = getattr(scene, "z1", None)
     return scene.distances[0] if given is None else as_tuple(given)[0]
 
 
-def _predict(
-    scenes: Sequence[AxialScene], differ: Sequence[str], quantities: Sequence[str], found: Floats
-) -> list[int]:
+def _predict(scenes: Sequence[Scene], differ: Sequence[str], quantities: Sequence[str], found: Floats) -> list[int]:
     """Write predictions (scenes, quantities) for all scenes that differ from others in STACKED alone.
 
     Return the numbers of the scenes that are left.
@@ -148,8 +170,8 @@ def _predict(
     left = []
     for rows in groups.values():
         values = None
-        if len(rows) > 1 and type(scenes[rows[0]]) in SCENES.values():
-            some = [scenes[n] for n in rows]
+        some = [each for each in (scenes[n] for n in rows) if _is_known(each)]
+        if len(some) > 1:
             given = [(each.alpha, _first_z1(each), each.z2) for each in some]
             values = _of_stack(some[0], dict(zip(STACKED, np.array(given, float).T, strict=True)), quantities)
         if values is None:
@@ -159,15 +181,15 @@ def _predict(
     return sorted(left)
 
 
-def _differing(scenes: Sequence[AxialScene]) -> list[str]:
+def _differing(scenes: Sequence[Scene]) -> list[str]:
     """Return the names of the fields in which the scenes differ."""
-    kinds: dict[type[AxialScene], None] = dict.fromkeys(map(type, scenes))
+    kinds: dict[type[Scene], None] = dict.fromkeys(map(type, scenes))
     names = dict.fromkeys(name for kind in kinds for name in kind.model_fields)
     firsts = {name: getattr(scenes[0], name, None) for name in names}
     return [name for name, first in firsts.items() if any(getattr(each, name, None) != first for each in scenes)]
 
 
-def _columns(scenes: Sequence[AxialScene], differ: Sequence[str], swept: Lists) -> dict[str, NDArray[Any]]:
+def _columns(scenes: Sequence[Scene], differ: Sequence[str], swept: Lists) -> dict[str, NDArray[Any]]:
     """Return the columns of the parameters that are swept, or else of all in which the scenes differ."""
     given = [parameters(scene, swept or differ) for scene in scenes]
     names = dict.fromkeys(name for each in given for name in each)
@@ -182,7 +204,7 @@ def _column(values: list[Any]) -> NDArray[Any]:
     return np.array([np.nan if value is None else value for value in values])
 
 
-def _computed(scenes: list[AxialScene], quantities: Sequence[str], workers: int, done: Done) -> list[list[float]]:
+def _computed(scenes: list[Scene], quantities: Sequence[str], workers: int, done: Done) -> list[list[float]]:
     """Return the quantities of each scene. What is left after PATIENCE seconds is computed by other processes."""
     rows: list[list[float]] = []
     # other processes know povgen's own scenes only
@@ -196,11 +218,11 @@ def _computed(scenes: list[AxialScene], quantities: Sequence[str], workers: int,
     return rows + [later[n] if n in later else _row(quantities, scene) for n, scene in enumerate(left)]
 
 
-def _row(quantities: Sequence[str], scene: AxialScene) -> list[float]:
+def _row(quantities: Sequence[str], scene: Scene) -> list[float]:
     return values_of([scene], quantities)[0]
 
 
-def _on_cluster(scenes: list[AxialScene], quantities: Sequence[str], scheduler: str, done: Done) -> list[list[float]]:
+def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, done: Done) -> list[list[float]]:
     """Return the quantities of each scene, computed by a cluster's workers."""
     from povgen.rendering.cluster import Cluster
 

@@ -73,7 +73,7 @@ def light_of_object(scene: Scene) -> Floats:
 
     Prisms and lenses count by their designed light. Frames hide nothing.
     """
-    seen, nothing = _first_image(scene), np.full((2, 2), np.nan)
+    seen, nothing = first_image(scene), np.full((2, 2), np.nan)
     if seen is None or not np.isfinite(seen[1]):
         return nothing
     point, position, names = seen
@@ -93,7 +93,7 @@ def light_of_object(scene: Scene) -> Floats:
     return np.asarray(-np.linalg.pinv(across[:, 2:]) @ across[:, :2]) if np.isfinite(across).all() else nothing
 
 
-def _first_image(scene: Scene) -> tuple[Sequence[float], complex, Sequence[str]] | None:
+def first_image(scene: Scene) -> tuple[Sequence[float], complex, Sequence[str]] | None:
     """Return the point of the first object that has an image, where the eye sees it first, and through which windows.
 
     The position is in the picture's plane, x + iy from its middle, tiles. A preset's light passes all windows.

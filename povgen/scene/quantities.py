@@ -1,11 +1,12 @@
 """Numbers of a scene that need no picture: what the equations predict, and what the ray trace finds.
 
-They are for the scene's first object, seen through all windows. A quantity that does not exist, such as nu at the pole,
+They are for the scene's first object, seen through all windows; those of a room are for the first object that has an
+image. A quantity that does not exist, such as nu at the pole,
 is NaN.
 """
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -13,10 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.optics import apparent
-from povgen.optics.equations import Complexes, Floats
+from povgen.optics.equations import Booleans, Complexes, Floats
 from povgen.optics.rays import Bundle, Convergence
 from povgen.optics.shares import Shares, shares
 from povgen.scene import pupil
+from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, checked_axial
 from povgen.sheets import PARAMETERS
 from povgen.sheets.prisms import ERRORS
@@ -31,7 +33,9 @@ RAYS = 10_000  # traced rays: the standard error of a share is then at most 0.00
 SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂", "index": "n"}
 # Units of parameters that have no `Parameter.unit`.
 LENGTHS = "z", "z1", "z2", "x", "eye", "look", "line", "aperture", "view", "pedestal", "pupil", "focus"
-UNITS = dict.fromkeys(LENGTHS, "tiles") | {"wavelength": "nm"}
+OF_THINGS = "y", "width", "height", "radius"  # in a room
+UNITS = {"wavelength": "nm", "yaw": "degrees", "pitch": "degrees", "roll": "degrees"}
+UNITS |= dict.fromkeys((*LENGTHS, *OF_THINGS), "tiles")
 # How captions state z1: behind a single window, and behind several.
 BEHIND, BEHIND_LAST = (Said(f"z₁ = {{}} behind the {window}", full="z₁ = {}") for window in ("window", "last window"))
 # How captions state the place of a window behind the first one: of two windows, and of more than two.
@@ -41,7 +45,7 @@ SECOND, LATER = Said("windows {} apart"), Said("window {number} at {}")
 class Quantity(NamedTuple):
     """A number of a scene."""
 
-    of: Callable[[AxialScene], Any]  # a number; what is PREDICTED for a scene of `stacked` is an array
+    of: Callable[[Any], Any]  # of a scene: a number; what is PREDICTED for a scene of `stacked` is an array
     unit: str
     text: str
 
@@ -193,10 +197,23 @@ def _convergence(scene: AxialScene) -> Convergence:
     return light.convergence() if len(light.end) > 1 else Convergence(*[np.nan] * 4)
 
 
-def _position(scene: AxialScene) -> Complexes:
-    """Return where the first object appears. At infinity it has no place: NaN."""
+def _position(scene: Scene) -> Complexes:
+    """Return where the first object appears. At infinity it has no place: NaN.
+
+    In a room this is the first image, in the picture's plane, from the picture's middle and along its sides.
+    """
+    if not isinstance(scene, AxialScene):
+        seen = pupil.first_image(scene)
+        return np.asarray(complex(np.nan, np.nan) if seen is None else seen[1])
     found = np.asarray(scene.apparent_position(*scene.objects[0]))
     return np.where(np.isfinite(found), found, complex(np.nan, np.nan))
+
+
+def _visible(scene: Scene) -> Booleans:
+    """Return whether the eye sees the first object, or, in a room, whether it sees one."""
+    if isinstance(scene, AxialScene):
+        return scene.visible(*scene.objects[0])
+    return np.asarray(pupil.first_image(scene) is not None)
 
 
 QUANTITIES = {
@@ -206,7 +223,7 @@ QUANTITIES = {
         lambda scene: scene.nu_and_M(scene.distances[0])[0], "degrees", "the angle by which it appears turned"
     ),
     "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification"),
-    "visible": Quantity(lambda scene: scene.visible(*scene.objects[0]), "", "1 if the eye sees it, otherwise 0"),
+    "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0"),
     "seen_x": Quantity(
         lambda scene: traced_image(scene).position.real, "tiles", "x by the ray trace, on the designed path"
     ),
@@ -250,6 +267,7 @@ QUANTITIES = {
 
 
 PREDICTED = {"x", "y", "nu", "M", "visible"}  # quantities that equations give
+ANYWHERE = ("x", "y", "visible", "best_focus", "pupil_blur")  # quantities that a room has, too
 SHARES = {"designed", "stray"}  # quantities that are shares of RAYS traced rays
 STACKED = ("alpha", "z1", "z2")  # parameters that are arrays in a scene of `stacked`
 
@@ -272,16 +290,18 @@ def unit(name: str) -> str:
     name = re.sub("^(scene|window[0-9]+)_", "", name)
     if name.startswith("error_"):
         return ERRORS[name.removeprefix("error_")].unit
-    name = re.sub("_([0-9]+|[xyz])$", "", name)  # one of several, or a component
-    units = {each.unit for each in PARAMETERS.get(name, ())} - {""}
-    return UNITS.get(name) or (units.pop() if len(units) == 1 else "")
+    own = re.sub("_([0-9]+|[xyz])$", "", name)  # one of several, or a component
+    units = {each.unit for each in PARAMETERS.get(own, ())} - {""}
+    found = UNITS.get(own) or (units.pop() if len(units) == 1 else "")
+    return found or (unit(name.partition("_")[2]) if "_" in name else "")  # of a thing in a room: left_alpha
 
 
-def parameters(scene: AxialScene, names: Collection[str] | None = None) -> dict[str, object]:
+def parameters(scene: Scene, names: Collection[str] | None = None) -> dict[str, object]:
     """Return a scene's parameters by names such as alpha, eye_x, window2_z and z1_2, which is z1 of the second object.
 
     The values are numbers, texts, True and False. Parameters that are None are left out. If fields of the scene's
-    class are named, the others are left out, too.
+    class are named, the others are left out, too. Numbers of a room's things have names such as left_alpha, for the
+    name left.alpha.
     """
     found: dict[str, object] = {"scene": scene.name}
 
@@ -297,10 +317,20 @@ def parameters(scene: AxialScene, names: Collection[str] | None = None) -> dict[
         elif value is not None:
             found[name] = value if isinstance(value, (bool, int, float)) else str(value)
 
-    for name, value in scene.model_dump(include=None if names is None else {*names}).items():
-        if name == "window":
-            for number, window in enumerate(value, 2):
-                add(f"window{number}", window)
-        else:
-            add(name, value)
+    for name, value in _stated(scene, names):
+        add(name, value)
     return found
+
+
+def _stated(scene: Scene, names: Collection[str] | None) -> Iterator[tuple[str, object]]:
+    """Yield the values of a scene's fields and, by their own names, those of further windows and of a room's things."""
+    inside = {"object", "window", "eye"} if scene.parts else set()
+    for part, model in scene.parts.items():
+        for name, value in model.model_dump().items():
+            if names is None or f"{part}.{name}" in names or not inside.isdisjoint(names):
+                yield f"{part}_{name}", value
+    for name, value in scene.model_dump(include=None if names is None else {*names}, exclude=inside).items():
+        if name == "window":
+            yield from ((f"window{number}", window) for number, window in enumerate(value, 2))
+        else:
+            yield name, value

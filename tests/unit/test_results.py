@@ -13,7 +13,7 @@ import pandas
 import pytest
 import xarray
 
-from povgen import Chess, InputError, Spheres, results, stopping
+from povgen import Chess, Eye, InputError, Room, Sphere, Spheres, Window, results, stopping
 from povgen.inputs import mesh
 from povgen.optics import equations, series
 from povgen.record import Record
@@ -255,6 +255,26 @@ def test_the_dimensions_of_a_dataset():
     assert results(scene, "M").to_xarray().M.shape == () and results([], "M").to_xarray().M.shape == (0,)
     twice = results([scene, scene.replace(alpha=3), scene], "M", progress=False).to_xarray()
     assert twice.M.dims == ("scene",)
+
+
+def test_rooms():
+    """A window on the axis, and the same window and eye moved aside; a window that tilts."""
+    chess = Chess(sheet="ideal", z1=3, x=0.4, eye=(0.2, 0.1), pupil=0.1)
+    (place, z1), eye = chess.objects[0], Eye(x=1, look_x=1, aside=0.2, above=0.1)
+    window = Window(name="left", x=1, width=3)
+    room = Room([window, Sphere(x=1 + place.real, y=place.imag, z=z1)], eye=eye, pupil=0.1)
+    names = ("x", "y", "visible", "best_focus", "pupil_blur")
+    expected, found = results(chess, *names, alpha=(0, 40, 90)), results(room, *names, **{"left.alpha": (0, 40, 90)})
+    assert list(found) == ["left_alpha", *names] and found["left_alpha"].tolist() == [0, 40, 90]
+    for name in names:
+        np.testing.assert_allclose(found[name], expected[name], 1e-6, 1e-8, err_msg=name)
+    turned = [room.with_numbers({"left.yaw": yaw, "eye.y": yaw / 50}) for yaw in (0, 10, 170)]
+    table = results(turned, "x", "visible", progress=False)
+    assert list(table) == ["left_yaw", "eye_y", "x", "visible"] and len({*table["x"]}) == 3
+    data = table.to_xarray()
+    assert data.left_yaw.attrs["units"] == "degrees" and data.eye_y.attrs["units"] == "tiles"
+    nothing = results(room.replace(object=()), *names, progress=False)
+    assert nothing["visible"] == [0] and np.isnan([nothing[name] for name in names if name != "visible"]).all()
 
 
 def test_a_number_of_workers_can_be_numpys():
