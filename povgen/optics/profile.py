@@ -8,6 +8,7 @@ continues in the next period, as the face of an array of lenses does.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from itertools import accumulate, combinations, pairwise
 from math import asin, hypot, isfinite, radians, sqrt, tan
 from typing import NamedTuple
@@ -159,7 +160,7 @@ class Profile:
         """Whether an edge has another period than the others."""
         return any(edge.period != 1 for edge in self.edges)
 
-    @property
+    @cached_property
     def half(self) -> float:
         """Half of the extent along z, in periods."""
         return max(abs(depth) for edge in self.edges for depth in edge.depths)
@@ -191,6 +192,7 @@ def dove(prism: Prism) -> Profile:
     return Profile.of_outlines([Outline(corners, (0,) * 4)], (2, 1, 4), prism.index, prism.gap).scaled(prism.pitch)
 
 
+@lru_cache  # of many scenes, most have the same
 def confocal(
     ratio: float = 1.0, f_number: float = 3.0, index: float = 1.5, gap: float = 0.01, mismatch: float = 0.0
 ) -> Profile:

@@ -71,9 +71,11 @@ if __name__ == "__main__":
 
 
 def test_the_oldest_packages(tmp_path):
-    extras = f"{PROJECT}[charts,cluster,parts]"
+    extras = f"{PROJECT}[charts,cluster,parts,xarray]"
     povgen = installed(tmp_path / "venv", PYTHONS[3, 11], "--resolution", "lowest-direct", extras)
     works(povgen, tmp_path, ["figure", "5"], ["part", "chess", "-o", "a.stl"], ["frame", "chess", "--help"])
+    table = "from povgen import Chess, results; results(Chess(), 'nu', alpha=[0, 9]).to_xarray().to_netcdf('a.nc')"
+    subprocess.run([povgen.with_name("python"), "-c", table], cwd=tmp_path, check=True, timeout=100)
     (tmp_path / "cluster.py").write_text(CLUSTER)
     movie = [povgen, "movie", "vary-z1", "--size", "80x60", "--sheet", "none", "--quality", "draft", "-o", "b.mp4"]
     done = subprocess.run(
