@@ -30,7 +30,6 @@ COLUMNS = 1000  # of POV-Ray's picture
 BAND = 1000 * COLUMNS  # rays that POV-Ray gets at once: it needs 0.3 GB for them
 AT_ONCE = 200_000  # rays that are traced at once
 PART = 200_000  # vectors that become text at once
-DIGITS, DECIMALS = 12, 3  # of a number in the table, and after its point
 
 
 class Rays(NamedTuple):
@@ -146,41 +145,11 @@ def _table(position: Floats, direction: Floats, tile: int) -> bytes:
     sides = u, -u / 2 - np.sqrt(0.75) * v, -u / 2 + np.sqrt(0.75) * v  # the normal is that of a left-handed system
     corners = np.stack([tile * (position + side) for side in sides], 1).reshape(-1, 3)
     count = len(position)
-    vectors = b"".join(_vectors(corners[n : n + PART]) for n in range(0, len(corners), PART))
-    numbers = np.arange(3 * count).reshape(-1, 3)
-    faces = b"".join(_faces(numbers[n : n + PART]) for n in range(0, count, PART))
+    vectors, faces = _listed(b"%.3f", corners), _listed(b"%d", np.arange(3 * count).reshape(-1, 3))
     return b"vertex_vectors {%d%s}\nface_indices {%d%s}\n" % (3 * count, vectors, count, faces)
 
 
-def _digits(numbers: NDArray[np.int64], count: int) -> NDArray[np.uint8]:
-    """Return the digits (..., count) of whole numbers as characters."""
-    return (numbers[..., None] // 10 ** np.arange(count - 1, -1, -1) % 10 + ord("0")).astype(np.uint8)
-
-
-def _vectors(vectors: Floats) -> bytes:
-    """Return vectors (n, 3) as text. Each number has the same number of characters: numpy writes all at once."""
-    digits = _digits(np.rint(abs(vectors) * 10**DECIMALS).astype(np.int64), DIGITS)
-    whole = DIGITS - DECIMALS
-    text = np.full((*vectors.shape, DIGITS + 3), ord(","), np.uint8)
-    text[..., 0] = np.where(vectors < 0, ord("-"), ord("+"))
-    text[..., 1 : whole + 1] = digits[..., :whole]
-    text[..., whole + 1] = ord(".")
-    text[..., whole + 2 : -1] = digits[..., whole:]
-    return _bracketed(text)
-
-
-def _faces(numbers: NDArray[np.int64]) -> bytes:
-    """Return faces (n, 3), the numbers of their corners, as text."""
-    text = np.full((*numbers.shape, 9), ord(","), np.uint8)
-    text[..., :8] = _digits(numbers, 8)
-    return _bracketed(text)
-
-
-def _bracketed(text: NDArray[np.uint8]) -> bytes:
-    """Return `,<a,b,c>` for each row of numbers (n, 3, characters), which end with a comma each."""
-    n, _, length = text.shape
-    made = np.empty((n, 3 * length + 2), np.uint8)
-    made[:, :2] = ord(","), ord("<")
-    made[:, 2:] = text.reshape(n, -1)
-    made[:, -1] = ord(">")
-    return made.tobytes()
+def _listed(form: bytes, vectors: NDArray[Any]) -> bytes:
+    """Return `,<a,b,c>` for each of the vectors (n, 3), whose numbers are written in this form."""
+    parts = (vectors[n : n + PART] for n in range(0, len(vectors), PART))
+    return b"".join(b",<%b,%b,%b>" % (form, form, form) * len(part) % tuple(part.ravel().tolist()) for part in parts)
