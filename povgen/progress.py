@@ -15,9 +15,9 @@ def tell(message: str) -> None:
     print(_printable(message))
 
 
-def wrote(path: Path) -> None:
-    """Print that a file was written, in one line: its name can have line breaks. Raises OSError."""
-    tell(f"wrote {one_line(str(path))}")
+def wrote(path: Path, files: int = 0) -> None:
+    """Print that a file was written, or numbered files, in one line: names can have line breaks. Raises OSError."""
+    tell(f"wrote {one_line(str(path))}" + (f": {counted(files, 'file')}" if files else ""))
 
 
 def say(message: str) -> None:

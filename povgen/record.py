@@ -27,7 +27,7 @@ from pydantic import AfterValidator, Field
 from povgen.citation import CITE, HOME
 from povgen.errors import InputError, shown
 from povgen.files import in_home, write
-from povgen.settings import Rendering
+from povgen.settings import Note, Rendering
 from povgen.validation import Model
 from povgen.version import __version__
 
@@ -83,6 +83,9 @@ class Record(Model):
     title: str | None = Field(default=None, description="a movie's title")
     frame_rate: Annotated[float, Field(ge=0.1, le=120)] | None = Field(
         default=None, description="a movie's frames a second, 0.1 to 120"
+    )
+    notes: Annotated[tuple[Note, ...], Field(max_length=MAX_FRAMES)] = Field(
+        default=(), description="each frame's note, if a movie has several"
     )
     pieces: dict[str, str] = Field(default={}, description="the text of each file that declares a piece or a profile")
     pictures: dict[str, str] = Field(default={}, description="PNG files of sky and floor in base 64, if small")
@@ -277,7 +280,7 @@ def _found(path: Path) -> tuple[int, int, str] | None:
 
 def _check_lengths(values: dict[str, Any]) -> None:
     """Raise InputError for a list or a table with too many values: pydantic would keep an error for each wrong one."""
-    longest = {"frames": MAX_FRAMES, "pieces": MAX_FRAMES, "pictures": MAX_PICTURES}
+    longest = {"frames": MAX_FRAMES, "notes": MAX_FRAMES, "pieces": MAX_FRAMES, "pictures": MAX_PICTURES}
     waiting: list[tuple[str, object, int]] = [("record", values, MAX_VALUES)]
     while waiting:
         name, part, most = waiting.pop()

@@ -28,6 +28,7 @@ WORDS = {
 }
 
 
+TEXTS = str, str | None, tuple[str, ...]  # types of fields that can be any text
 HIDDEN = {name for name in dir(BaseModel) if not name.startswith("_")} - {"model_dump"}
 
 
@@ -179,7 +180,7 @@ def _parts(value: object, depth: int = 2) -> Iterator[object]:
 @cache
 def _texts(model: type[BaseModel]) -> set[str]:
     """Return the names of the fields that can be any text."""
-    return {name for name, kind in get_type_hints(model).items() if kind in (str, str | None)}
+    return {name for name, kind in get_type_hints(model).items() if kind in TEXTS}
 
 
 def _has_underscore(value: object) -> bool:

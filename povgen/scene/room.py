@@ -27,7 +27,7 @@ MOST_WINDOWS, MOST_OBJECTS = 20, 100
 PLACES = ("x", "y", "z", "look_x", "look_y", "look_z")  # numbers of an eye
 # what a room's file can say of a movie: fields of `MovieSpec`
 OF_MOVIES = {"title", "frame_rate", "frames", "exact_frames", "ease", "hold", "overlay", "note", "side_view", "loop"}
-OF_MOVIES |= {"sweep"}
+OF_MOVIES |= {"sweep", "notes"}
 
 
 class Eye(Model):

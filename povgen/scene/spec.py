@@ -1,6 +1,6 @@
 """Movie specs: a TOML file with a scene, its fixed parameters, and the parameters that change from frame to frame."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from types import NoneType
@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 
 from povgen.errors import InputError, shown
 from povgen.files import own_folder
+from povgen.optics.equations import Floats
 from povgen.scene import files
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
@@ -22,6 +23,7 @@ from povgen.validation import Model, as_pair
 
 MOVIES = own_folder("movies")
 MAX_FRAMES = 10000
+ROUNDING = 1e-9  # of times
 Title = Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")]
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]
 FRAMES = 61  # of a movie that does not state it
@@ -33,7 +35,17 @@ def _number_or_pair(value: object) -> object:
     return value if isinstance(value, str) and "," not in value else as_pair(value)
 
 
+Ease = Literal["none", "start", "stop", "both"]
 Value = Annotated[float | tuple[float, float], BeforeValidator(_number_or_pair)]
+
+
+# the part of the way that is done in a part of the time, from 0 to 1
+EASES: dict[Ease, Callable[[Floats], Floats]] = {
+    "none": lambda time: time,
+    "start": lambda time: 1 - np.cos(np.pi / 2 * time),
+    "stop": lambda time: np.sin(np.pi / 2 * time),
+    "both": lambda time: 0.5 - 0.5 * np.cos(np.pi * time),
+}
 
 
 class Sweep(Model):
@@ -51,6 +63,11 @@ class Sweep(Model):
     values: Annotated[tuple[Value, ...], Field(min_length=2, max_length=MAX_FRAMES)] | None = Field(
         default=None, description=f"its value in every frame, in place of start and stop: 2 to {MAX_FRAMES} values"
     )
+    ease: Ease | tuple[Ease, Ease] | None = Field(
+        default=None,
+        description="where its change is gentle: none, start, stop or both; or, with `via`, two of these words, for "
+        "the way to it and the way from it (default: the movie's)",
+    )
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -67,14 +84,18 @@ class Sweep(Model):
     @model_validator(mode="after")
     def _check_range(self) -> Self:
         if self.values is not None:
-            if {self.start, self.stop, self.via} != {None} or self.spacing != "linear":
-                raise ValueError("values: given with start, stop, via or spacing; allowed: values, or start and stop")
+            if {self.start, self.stop, self.via, self.ease} != {None} or self.spacing != "linear":
+                raise ValueError(
+                    "values: given with start, stop, via, spacing or ease; allowed: values, or start and stop"
+                )
             if len(set(self.values)) == 1:
                 raise ValueError(f"values = {shown(self.values)}: all equal, nothing would move; allowed: others")
             return self
         for name, value in (("start", self.start), ("stop", self.stop)):
             if value is None:
                 raise ValueError(f"{name}: missing; allowed: start and stop, or values")
+        if self.via is None and isinstance(self.ease, tuple):
+            raise ValueError(f"ease = {shown(self.ease)}: two words; allowed: one, or with via")
         if self.via is not None and self.via in self.ends:
             raise ValueError(f"via = {_text(self.via)}: equal to start or stop; allowed: any other value")
         if self.start == self.stop:
@@ -106,24 +127,41 @@ class Sweep(Model):
         """The values that are stated."""
         return self.values or tuple(value for value in (self.start, self.via, self.stop) if value is not None)
 
-    def in_frames(self, count: int, ease: bool = False) -> list[Value]:
+    def in_frames(self, count: int, ease: Ease = "none") -> list[Value]:
         """Return the parameter's value in each of `count` frames. `values`, if given, are returned as they are.
 
-        With `ease` the value changes slowly at the ends and at `via`.
+        `ease` says at which ends of each part, before and after `via`, the value changes slowly. It is for a sweep that
+        does not state this.
         """
         if self.values:
             return list(self.values)
         if self.via is not None:
-            there = Sweep(parameter=self.parameter, start=self.start, stop=self.via, spacing=self.spacing)
-            back = there.replace(start=self.via, stop=self.stop)
+            before, after = self.ease if isinstance(self.ease, tuple) else (self.ease, self.ease)
+            there = self.replace(stop=self.via, via=None, ease=before)
+            back = self.replace(start=self.via, via=None, ease=after)
             return there.in_frames(count // 2 + 1, ease)[:-1] + back.in_frames(count - count // 2, ease)
         start, stop = np.atleast_1d(*self.ends)
         share = np.linspace(0, 1, count)[:, np.newaxis]
-        if ease:
-            share = 0.5 - 0.5 * np.cos(np.pi * share)
+        share = EASES[self.ease or ease](share)  # type: ignore[index]  # one word, without via
         rows = start * (stop / start) ** share if self.spacing == "log" else start + (stop - start) * share
         rows[-1] = stop  # exactly: with a rounding error it could be outside the parameter's range
         return [row[0] if len(row) == 1 else tuple(row) for row in rows.tolist()]
+
+
+class PartNote(Model):
+    """A text in the caption during a part of a movie."""
+
+    text: Note = Field(description="the text, up to 80 letters, Latin or Greek")
+    start: Annotated[float, Field(ge=0, le=1)] = Field(
+        default=0, description="when it appears, as a part of the time from the sweeps' start to their stop, 0 to 1"
+    )
+    stop: Annotated[float, Field(ge=0, le=1)] = Field(default=1, description="when it disappears, likewise")
+
+    @model_validator(mode="after")
+    def _check_range(self) -> Self:
+        if self.stop < self.start:
+            raise ValueError(f"stop = {self.stop:g}: before start = {self.start:g}; allowed: from start to 1")
+        return self
 
 
 class MovieSpec(Model):
@@ -151,6 +189,11 @@ class MovieSpec(Model):
     overlay: bool = Field(default=False, description="whether the movie's file has the overlay; options can change it")
     note: Note = Field(
         default="", description="a text added to the caption, up to 80 letters, Latin or Greek; options can change it"
+    )
+    notes: tuple[PartNote, ...] = Field(
+        default=(),
+        description="texts in place of the note, each during a part of the movie; a table [[notes]] for each. Where "
+        "several overlap, the last one counts",
     )
     side_view: bool = Field(
         default=False, description="whether the movie's file has the side view; options can change it"
@@ -249,8 +292,9 @@ class MovieSpec(Model):
                 "with a room's TOML file"
             )
         try:
-            if isinstance(tables := values.get("sweep"), list):
-                values["sweep"] = [_sweep(table) if isinstance(table, dict) else table for table in tables]
+            for key, model in (("sweep", Sweep), ("notes", PartNote)):
+                if isinstance(tables := values.get(key), list):
+                    values[key] = [_named(key, model, each) if isinstance(each, dict) else each for each in tables]
             if sweeps:
                 values["sweep"] = [*map(Sweep.parse, sweeps)]
             values = _with_fixed_table(values, folder, fixed)
@@ -306,16 +350,32 @@ class MovieSpec(Model):
         for n, end in ((1, 0), (count, 1)):
             self._scene({sweep.parameter: sweep.ends[end] for sweep in self.sweep}, n, count)
         names = [sweep.parameter for sweep in self.sweep]
-        rows = zip(*(sweep.in_frames(count, self.ease) for sweep in self.sweep), strict=True)
+        ease: Ease = "both" if self.ease else "none"
+        rows = zip(*(sweep.in_frames(count, ease) for sweep in self.sweep), strict=True)
         scenes = [self._scene(dict(zip(names, row, strict=True)), n, count) for n, row in enumerate(rows, 1)]
         views = [scene.view for scene in scenes if isinstance(scene, AxialScene)]
         if len({*views}) > 1 and "view" not in {*self.fixed, *names}:
             scenes = [scene.replace(view=max(views)) for scene in scenes]  # the picture keeps its scale
-        held, middle = round(self.hold * self.rate(quality)), count // 2
+        return [scenes[n] for n in self._order(quality)]
+
+    def texts(self, quality: str) -> list[str]:
+        """Return the note of every frame, by `notes`; none if there are no `notes`."""
+        last = self._frames_there(quality) - 1
+        return [self._note_at(n / last) for n in self._order(quality)] if self.notes else []
+
+    def _note_at(self, time: float) -> str:
+        """Return the note at a time, a part of that from start to stop."""
+        now = [note.text for note in self.notes if note.start - ROUNDING <= time <= note.stop + ROUNDING]
+        return now[-1] if now else self.note
+
+    def _order(self, quality: str) -> list[int]:
+        """Return which frame from start to stop, counted from 0, each frame of the movie is."""
+        count = self._frames_there(quality)
+        held, way = round(self.hold * self.rate(quality)), [*range(count)]
         if self._stays_halfway:
-            scenes[middle:middle] = scenes[middle : middle + 1] * held
-        there = scenes[:1] * held + scenes + scenes[-1:] * held
-        return there + scenes[-2:0:-1] if self.loop else there
+            way[count // 2 : count // 2] = [count // 2] * held
+        there = [0] * held + way + [count - 1] * held
+        return there + way[-2:0:-1] if self.loop else there
 
     def _scene(self, swept: Mapping[str, Any], n: int, count: int) -> Scene:
         """Return the scene of a frame. Raises InputError.
@@ -370,9 +430,7 @@ class MovieSpec(Model):
 
     def count(self, quality: str) -> int:
         """Return the number of frames of the whole movie, with those for `hold` and `loop`."""
-        held = round(self.hold * self.rate(quality))
-        there = self._frames_there(quality) + held * self._stays_halfway
-        return (2 * there - 2 if self.loop else there) + 2 * held
+        return len(self._order(quality))
 
     @property
     def _stays_halfway(self) -> bool:
@@ -470,9 +528,9 @@ def _text(value: object) -> str:
     return ",".join(f"{x:.6g}" for x in (value if isinstance(value, tuple) else (value,)))
 
 
-def _sweep(table: dict[str, object]) -> Sweep:
-    """Return the sweep of a TOML table. The message of an InputError begins with the table's name."""
+def _named(key: str, model: type[Model], table: dict[str, object]) -> Model:
+    """Return the model of a TOML table. The message of an InputError begins with the table's name."""
     try:
-        return Sweep(**table)
+        return model(**table)
     except InputError as error:
-        raise InputError(f"[[sweep]] {error}") from None
+        raise InputError(f"[[{key}]] {error}") from None

@@ -43,12 +43,12 @@ class Caption(NamedTuple):
     size: float = 1  # of the text, as a multiple of the usual size
 
 
-def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
+def captions(scenes: Sequence[Scene], rendering: Rendering, notes: Sequence[str] = ()) -> list[Caption]:
     """Return the captions of a movie's frames, or of a single picture.
 
     A short caption states what differs between the frames, and by how much an object appears turned, if that changes.
     The short caption of a single picture states the sheets' parameters, or z1 where the sheets have none. Of a room it
-    says what stands there. The note stands last.
+    says what stands there. The note stands last: the rendering's, or of `notes`, which has one for each scene.
     """
     size = 1.0
     axial = [scene for scene in scenes if isinstance(scene, AxialScene)]
@@ -61,8 +61,9 @@ def captions(scenes: Sequence[Scene], rendering: Rendering) -> list[Caption]:
         rows = [[] for _ in scenes]
     if rendering.overlay and len(axial) < len(scenes):
         rows = [[*row, *_without_image(scene)] for row, scene in zip(rows, scenes, strict=True)]
-    if rendering.note:
-        rows = [[*row, rendering.note] for row in rows]
+    notes = notes or [rendering.note] * len(scenes)
+    if any(notes):
+        rows = [[*row, note] for row, note in zip(rows, notes, strict=True)]
     widest = [_widest(texts) for texts in zip_longest(*rows, fillvalue="")]
     # scenes of several kinds can have different numbers of texts
     return [Caption([*texts, *[""] * (len(widest) - len(texts))], widest, size) for texts in rows]

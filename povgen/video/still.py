@@ -111,11 +111,13 @@ def pictures(
     done: Callable[[], object] = lambda: None,
     *,
     movie: bool = False,
+    notes: Sequence[str] = (),
 ) -> Generator[NDArray[Any], None, None]:
     """Yield the picture of each scene, in their order, as `render` returns it. Call `done` after each scene.
 
-    Scenes of a `movie` have captions that fit together, and successive equal scenes are rendered once. `workers`
-    frames are rendered at once, here or by the workers of a Dask scheduler. Raises as `render_all` does.
+    Scenes of a `movie` have captions that fit together, and successive equal scenes are rendered once. `notes` may have
+    the note of each. `workers` frames are rendered at once, here or by the workers of a Dask scheduler. Raises as
+    `render_all` does.
     """
     if not scenes:
         return
@@ -127,8 +129,8 @@ def pictures(
             cluster = opened.enter_context(Cluster(scheduler, rendering.renderer))
         at_once = workers or (cluster.frames if cluster else None)
         # successive equal scenes of a movie are rendered once
-        runs = [(scene, len([*same])) for scene, same in groupby(scenes)] if movie else [(each, 1) for each in scenes]
-        once = [scene for scene, _ in runs]
+        runs = alike(scenes, notes) if movie else [(each, "", 1) for each in scenes]
+        once = [scene for scene, _, _ in runs]
         # Pictures are made in threads while the caller, which may encode, is busy with those before. When all ends, the
         # rendering is stopped before these threads are.
         width, height = rendering.size
@@ -138,14 +140,15 @@ def pictures(
         frames = opened.enter_context(closing(render_all(once, rendering, at_once, done, cluster)))
         texts: Sequence[Caption | None] = [None] * len(once)
         shows = said = None
-        if movie and rendering.annotated:
+        if movie and (rendering.annotated or any(notes)):
             from povgen.video import captions, overlay, side
 
-            texts, said = captions.captions(once, rendering), overlay.common_legend(once, rendering)
+            own = [note for _, note, _ in runs] if notes else ()
+            texts, said = captions.captions(once, rendering, own), overlay.common_legend(once, rendering)
         if movie and rendering.side_view:
             shows = side.extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)
         waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
-        for views, (scene, count), caption in zip(frames, runs, texts, strict=True):
+        for views, (scene, _, count), caption in zip(frames, runs, texts, strict=True):
             waiting.append((pool.submit(picture, views, scene, rendering, caption, shows, said), count))
             if len(waiting) > made_at_once:
                 made, times = waiting.popleft()
@@ -153,6 +156,12 @@ def pictures(
         while waiting:
             made, times = waiting.popleft()
             yield from repeat(made.result(), times)
+
+
+def alike(scenes: Sequence[Scene], notes: Sequence[str] = ()) -> list[tuple[Scene, str, int]]:
+    """Return each run of successive equal scenes, of one note if notes are given: scene, note, and how many it has."""
+    pairs = groupby(zip(scenes, notes or repeat("")))  # noqa: B905  (repeat has no end)
+    return [(scene, note, len([*same])) for (scene, note), same in pairs]
 
 
 def show(scene: Scene, **options: Unpack[Options]) -> Image:
@@ -212,9 +221,15 @@ def as_file(scene: Scene, rendering: Rendering | None = None, ending: str = ".pn
 
 
 def record_of(
-    scenes: Sequence[Scene], rendering: Rendering, title: str | None = None, frame_rate: float | None = None
+    scenes: Sequence[Scene],
+    rendering: Rendering,
+    title: str | None = None,
+    frame_rate: float | None = None,
+    notes: Sequence[str] = (),
 ) -> Record:
-    """Return the record of a picture, or of a movie with this title and frame rate. It has the files that are seen.
+    """Return the record of a picture, or of a movie with this title, frame rate and notes of its frames.
+
+    It has the files that are seen.
 
     Raises InputError if it would be too large, or if the file of a piece or a profile has two different texts in these
     scenes. Raises what `drawn_by` raises.
@@ -242,6 +257,7 @@ def record_of(
         rendering=rendering.model_dump(),
         title=title,
         frame_rate=frame_rate,
+        notes=notes,
         pieces=texts,
         pictures=_small_pictures(scenes),
         frames=differing([{"scene": scene.name, **scene.model_dump(mode="json")} for scene in scenes]),
@@ -277,7 +293,7 @@ def picture(
         made = composed(pictures, scene, rendering)
         return made if rendering.bits == 32 else light.as_16_bits(made)
     pictures = merged(frames, read_png, scene, count)
-    if draws_on(scene, rendering):
+    if caption or draws_on(scene, rendering):
         from povgen.video import overlay, side
 
         shown = views(scene, rendering)

@@ -97,6 +97,27 @@ def test_an_exr_file_and_again(renderer, tmp_path):
                 info(tmp_path / "short.exr")
 
 
+def test_numbered_files_of_light(tmp_path):
+    """EXR files, and PNG files of 16 bits, are those of each scene alone."""
+    scenes, options = [SCENE, SCENE.replace(alpha=30)], {"size": SIZE, "progress": False}
+    assert movie(scenes, tmp_path / "new" / "%02d.exr", **options).path.suffix == ".exr"
+    movie(scenes, tmp_path / "%d.png", bits=16, **options)
+    for n, scene in enumerate(scenes, 1):
+        assert np.array_equal(read_exr(tmp_path / "new" / f"0{n}.exr"), render(scene, linear=True, size=SIZE))
+        save(scene, tmp_path / "own.png", bits=16, size=SIZE)
+        alone, numbered = ((tmp_path / name).read_bytes() for name in ("own.png", f"{n}.png"))
+        assert alone[alone.index(b"IDAT") :] == numbered[numbered.index(b"IDAT") :]
+        assert info(tmp_path / f"{n}.png").rendering.bits == 16
+    spec = ["movie", "spheres", "--sweep", "alpha=0:30", "--frames", "2", "--size", "32x32", "--quality", "draft"]
+    assert povgen([*spec, "-o", "%d.exr"], tmp_path)[:2] == (0, "wrote %d.exr: 2 files\n")
+    assert info(tmp_path / "2.exr").rendering.bits == 32 and info(tmp_path / "2.exr").frames[0]["alpha"] == 30
+    assert "a name with a number, such as a%04d.exr, for a file" in refused([*spec, "-o", "a.exr"], tmp_path)
+    assert "bits = 16: an EXR file has 32" in refused([*spec, "-o", "%d.exr", "--bits", "16"], tmp_path)
+    with pytest.raises(InputError, match="exists, and povgen did not write it"):
+        (tmp_path / "1.exr").write_bytes(b"mine")
+        movie(scenes, tmp_path / "%d.exr", **options)
+
+
 def test_what_does_not_go_together(tmp_path):
     chess = ["frame", "chess"]
     for arguments, words in (

@@ -7,12 +7,12 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import ALPHA_MOVIE
+from conftest import ALPHA_MOVIE, povgen
 from hypothesis import example, given
 from hypothesis import strategies as st
 from PIL import Image
 
-from povgen import InputError, info, movie
+from povgen import Chess, InputError, info, movie
 from povgen.record import Record
 from povgen.video import encode, still
 
@@ -101,6 +101,42 @@ def test_a_movies_file_has_the_drawings_that_its_spec_asks_for(folder):
         movie(spec, folder / f"drawn.{name}", size=SIZE, **given.get(name, {}))
         rendering = info(folder / f"drawn.{name.replace('%d', '1')}").rendering
         assert (rendering.overlay, rendering.side_view, rendering.note) == drawn
+
+
+def test_notes_of_the_frames(tmp_path):
+    """Each frame has its own, in one place of equal size; a scene that stays is drawn for each of its notes."""
+    scenes = [Chess(sheet="none", z1=z1) for z1 in (2, 2, 3)]
+    options = {"size": SIZE, "progress": False}
+    options["notes"] = ["", "x_1 = 1_0", "α"]
+    movie(scenes, tmp_path / "%d.png", caption="none", **options)
+    first, second, third = (iio.imread(tmp_path / f"{n}.png") for n in (1, 2, 3))
+    height = SIZE[1]
+    assert np.array_equal(first[:height], second[:height]) and not np.array_equal(first[:height], third[:height])
+    below = [picture[height:] for picture in (first, second, third)]
+    assert [(strip > 60).any() for strip in below] == [False, True, True] and not np.array_equal(*below[1:])
+    assert [info(tmp_path / f"{n}.png").rendering.note for n in (1, 2, 3)] == options["notes"]
+    made = movie(scenes, tmp_path / "a.gif", caption="none", **options)
+    assert [*info(made).notes] == options["notes"]
+    assert povgen(["movie", "--from", "a.gif", "-o", "b.gif", "--quiet"], tmp_path) == (0, "", "")
+    assert np.array_equal(iio.imread(tmp_path / "b.gif"), iio.imread(made.path)) and info(tmp_path / "b.gif").notes
+    assert povgen(["movie", "--from", "a.gif", "-o", "%d.png", "--note", "y", "--quiet"], tmp_path) == (0, "", "")
+    assert [info(tmp_path / f"{n}.png").rendering.note for n in (1, 2, 3)] == ["y"] * 3
+    for wrong, words in (
+        (lambda: movie(scenes, tmp_path / "a.gif", notes=["x"]), "notes: 1 texts for 3 frames; allowed: one for each"),
+        (lambda: movie(scenes, tmp_path / "a.gif", notes=["\n"] * 3), "notes = "),
+        (lambda: movie(scenes, tmp_path / "%d.exr", notes=["x"] * 3), "notes are drawn with 8 bits"),
+        (lambda: movie("vary-alpha", tmp_path / "a.gif", notes=["x"] * 3), "a spec, which states its own; allowed: "),
+    ):
+        with pytest.raises(InputError, match=words):
+            wrong()
+
+
+def test_notes_of_a_spec_are_for_a_movie_without_a_given_caption(tmp_path):
+    spec = ALPHA_MOVIE.replace(frames=3, exact_frames=True, notes=[{"text": "x", "stop": 0.2}])
+    for name, options in (("a.gif", {}), ("b.gif", {"caption": "full"}), ("c.gif", {"note": "y"}), ("%d.png", {})):
+        movie(spec, tmp_path / name, size=SIZE, progress=False, **options)
+    assert [info(tmp_path / name).notes for name in ("a.gif", "b.gif", "c.gif", "1.png")] == [("x", "", ""), (), (), ()]
+    assert info(tmp_path / "c.gif").rendering.note == "y"
 
 
 def test_mp4_starts_at_once_and_seeks_to_any_frame(folder):

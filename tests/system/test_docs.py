@@ -183,9 +183,12 @@ def test_the_examples_of_usage_run(tmp_path):
 
 
 def test_movies_are_specs():
-    """The three movies of docs/adding.md sweep the eye, the prisms and their refractive index."""
+    """The movies of docs/adding.md sweep alpha, the eye, the prisms and their refractive index."""
     toml = [block for kind, block in blocks(PROJECT / "docs" / "adding.md") if kind == "toml"]
-    eye, prisms, index = (MovieSpec.parse(block, "adding.md").scenes("draft") for block in toml)
+    side, *others = (MovieSpec.parse(block, "adding.md") for block in toml)
+    eye, prisms, index = (spec.scenes("draft") for spec in others)
+    said = {(scene.alpha, text[:3]) for scene, text in zip(side.scenes("draft"), side.texts("draft"), strict=True)}
+    assert (90, "α =") in said and {text for alpha, text in said if alpha < 60} == {"sky"}
     assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[48].eye[0]) == (-1, 1)
     assert eye[49:] == eye[47:0:-1]
     assert (prisms[0].prisms, prisms[-1].prisms) == (10, 1000) and (index[0].index, index[-1].index) == (1.3, 2)

@@ -61,12 +61,52 @@ def test_a_value_halfway_is_held_too(loop):
     assert eased == pytest.approx([*2.0 ** np.linspace(0, 1, 5), *2.0 ** np.linspace(1, 4, 5)[1:]])
 
 
+def test_each_part_of_a_sweep_has_its_own_ease():
+    sweep = Sweep(parameter="alpha", start=0, via=100, stop=200, ease=["start", "stop"])
+    way = np.linspace(0, 1, 5)
+    expected = [*100 * (1 - np.cos(np.pi / 2 * way)), *(100 + 100 * np.sin(np.pi / 2 * way))[1:]]
+    assert sweep.in_frames(9) == sweep.in_frames(9, "both") == pytest.approx(expected)
+    assert np.argmax(np.diff(sweep.in_frames(9))) in (3, 4)  # it passes the middle at its greatest speed
+    plain = sweep.replace(ease="none", via=None)
+    assert plain.in_frames(5, "both") == pytest.approx(200 * way)
+    two = MovieSpec(title="x", scene="chess", frames=5, ease=True, sweep=[plain, Sweep.parse("z1=1:3")])
+    found = np.array([(scene.alpha, scene.z1) for scene in two.scenes("standard")])
+    assert found == pytest.approx(np.column_stack((200 * way, 2 - np.cos(np.pi * way))))
+
+
+NOTES = '[[notes]]\ntext = "first"\nstop = 0.3\n[[notes]]\ntext = "then"\nstart = 0.3\nstop = 0.6\n'
+
+
+def test_notes_of_parts_of_a_movie():
+    """They follow the way, also while it is held and back; of two at one time the later one counts."""
+    start = HEAD.replace("frames = 13", "frames = 11\nexact_frames = true")
+    swept = '[[sweep]]\nparameter = "alpha"\nstart = 0\nstop = 180\n'
+    spec = MovieSpec.parse(start + swept + NOTES, "notes")
+    way = ["first"] * 3 + ["then"] * 4 + [""] * 4
+    assert spec.texts("standard") == way and spec.replace(notes=()).texts("standard") == []
+    loop = spec.replace(hold=0.2, loop=True, note="else", frame_rate=10)
+    way = [text or "else" for text in way]
+    assert loop.texts("standard") == way[:1] * 2 + way + way[-1:] * 2 + way[-2:0:-1]
+    assert len(loop.texts("draft")) == len(loop.scenes("draft")) == loop.count("draft")
+    for table, words in (
+        ("text = 3", "[[notes]] text = 3: "),
+        ('text = "a"\nstart = 0.5\nstop = 0.4', "[[notes]] stop = 0.4: before start = 0.5; allowed: from start to 1"),
+        ('text = "a"\nstop = 1.5', "[[notes]] stop = 1.5: should be less than or equal to 1"),
+    ):
+        with pytest.raises(InputError, match=re.escape(words)):
+            MovieSpec.parse(start + swept + "[[notes]]\n" + table, "notes")
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
+        ({"start": 1, "stop": 3, "ease": ["start", "stop"]}, "ease = ('start', 'stop'): two words; allowed: one, or "),
         ({"start": 1, "stop": 3, "via": 3}, "via = 3: equal to start or stop; allowed: any other value"),
         ({"start": 1, "stop": 3, "via": -1, "spacing": "log"}, "0 lies between -1 and 3; allowed: all values above"),
-        ({"values": [1, 2], "via": 3}, "values: given with start, stop, via or spacing; allowed: values, or start"),
+        (
+            {"values": [1, 2], "via": 3},
+            "values: given with start, stop, via, spacing or ease; allowed: values, or start",
+        ),
     ],
 )
 def test_a_value_halfway_that_cannot_be_is_refused(values, words):
@@ -255,12 +295,12 @@ def test_too_many_frames_at_a_quality():
 
 
 def test_the_ends_of_a_range_are_exact():
-    for spacing, start, ease in (("log", 0.1, False), ("linear", -350.7, True)):
+    for spacing, start, ease in (("log", 0.1, "none"), ("linear", -350.7, "both")):
         found = Sweep(parameter="alpha", start=start, stop=360, spacing=spacing).in_frames(7, ease)
         assert (found[0], found[-1]) == (start, 360)
         middle = (start * 360) ** 0.5 if spacing == "log" else (start + 360) / 2
         assert found[3] == pytest.approx(middle) and (found[1] - start < (360 - start) / 8) == (
-            ease or spacing == "log"
+            ease == "both" or spacing == "log"
         )
 
 

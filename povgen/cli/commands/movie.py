@@ -18,7 +18,7 @@ from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, MovieSpec, spec_file
 from povgen.settings import Rendering
-from povgen.video.build import Film, FilmOptions, Plan, check_views, film, planned
+from povgen.video.build import Film, FilmOptions, Plan, check_views, film, movie_rendering, planned, sequence
 
 
 @click.command("movie", cls=Command)
@@ -42,7 +42,10 @@ from povgen.video.build import Film, FilmOptions, Plan, check_views, film, plann
 @click.option("--ease/--no-ease", default=None, help="whether the sweeps start and stop gently")
 @click.option("--hold", metavar="SECONDS", help="how long both ends, and the frame at via, stay, 0 to 10")
 @click.option("--loop/--no-loop", default=None, help="whether the movie goes there and back")
-@options.output("FILE", ".mp4, .webm, .webp, .gif, or frames/%04d.png for a file of each frame (default: NAME.mp4)")
+@options.output(
+    "FILE",
+    ".mp4, .webm, .webp, .gif; or frames/%04d.png or frames/%04d.exr for a file of each frame (default: NAME.mp4)",
+)
 @options.workers
 @options.scheduler
 @click.option(
@@ -73,12 +76,12 @@ def command(
     given = {name: value for name, value in given.items() if value is not None}
     if "frames" in given:
         given |= {"exact_frames": True, "hold": given.get("hold", 0)}
-    film_with, values, chosen = _loaded(spec, source, sweep, given, values, quiet)
+    film_with, values, chosen = _loaded(spec, source, sweep, output, given, values, quiet)
     count, scheduler = worker_count(workers), checked_scheduler(scheduler)
     automatic = options.automatic(values, chosen, tolerance, dry_run)
-    rendering = Rendering(**chosen)
-    made = film_with(values if automatic is None else {**values, "sheet": "detailed"}, rendering.quality)
     file = output or Path(f"{'movie' if spec == '-' else Path(source or spec or '').stem}.mp4")
+    rendering = movie_rendering(file, chosen) if part is None else Rendering(**chosen)
+    made = film_with(values if automatic is None else {**values, "sheet": "detailed"}, rendering.quality)
     if part is not None:
         _check_shard(part, scheduler, output)
         check_views(made.scenes, rendering)
@@ -88,8 +91,8 @@ def command(
         file = planned(made, file, rendering, own).output
         check_unasked([] if output or dry_run else [file])
     if automatic is not None:
-        sheet, choice = automatic.choose(made.scenes, chosen, quiet, scheduler)
-        made, rendering = film_with({**values, **sheet}, rendering.quality), Rendering(**{**chosen, **choice})
+        sheet, choice = automatic.choose(made.scenes, {**chosen, "bits": rendering.bits}, quiet, scheduler)
+        made, rendering = film_with({**values, **sheet}, rendering.quality), rendering.replace(**choice)
     scenes, sampled = _shard(made.scenes, rendering, part)
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
     used = dict.fromkeys(made.swept) | values if automatic is None else {}
@@ -99,11 +102,17 @@ def command(
         return _render_shard(part, scenes, sampled, count, quiet)
     Plan(made, rendering, file).make(count, scheduler, not quiet)
     if not quiet:
-        wrote(file)
+        wrote(file, len(sequence(file, len(made.scenes))))
 
 
 def _loaded(
-    spec: str | None, source: Path | None, sweeps: Sequence[str], given: Values, values: Values, quiet: bool
+    spec: str | None,
+    source: Path | None,
+    sweeps: Sequence[str],
+    output: Path | None,
+    given: Values,
+    values: Values,
+    quiet: bool,
 ) -> tuple[Callable[[Values, str], Film], Values, Values]:
     """Return the movie with these values of its spec, and the values of scenes and of the rendering. Raises InputError.
 
@@ -122,13 +131,19 @@ def _loaded(
     for name, value in {"spec": spec, "sweep": sweeps or None, **of_spec}.items():
         if value is not None:
             raise InputError(f"{name} = {value!r}: not with --from, which makes the same frames; allowed: one of them")
-    record, scenes, values = options.again(source, None, values, quiet)
+    notes = "note" not in values
+    record, scenes, values = options.again(source, output, values, quiet)
     if record.frame_rate is None:
         raise InputError(f"from = {str(source)!r}: a picture; allowed: a movie")
     rate = FilmOptions(frame_rate=given.get("frame_rate", record.frame_rate)).frame_rate
     title = one_line(record.title or "")[:200] or None  # if it is the name of a file, it can be longer
     values, rendering = options.split(values)
-    return lambda values, _: Film([scene.replace(**values) for scene in scenes], rate, title), values, rendering
+    texts = record.notes if notes else ()
+
+    def made(values: Values, _: str) -> Film:
+        return Film([scene.replace(**values) for scene in scenes], rate, title, notes=texts)
+
+    return made, values, rendering
 
 
 def _movie_of(spec: str, sweeps: Sequence[str], values: Values, fixed: Values) -> MovieSpec:
