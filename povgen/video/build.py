@@ -217,7 +217,8 @@ def sequence(output: Path, frames: int) -> list[Path]:
         return []
     if re.fullmatch(r"[^%]*%(0[1-9])?d[^%]*", output.name) is None:
         plain = re.sub("%(-?[0-9]*[disux](?![a-z]))?", "", output.stem)
-        allowed = f"a name with a number, such as {plain}%04d{output.suffix}, for a file of every frame"
+        kind, _ = PICTURES[output.suffix.lower()]
+        allowed = f"a name with a number, such as {plain}%04d{output.suffix}, for {kind} of every frame"
         raise InputError(f"output = {str(output)!r}: one picture; allowed: {', '.join(encode.FORMATS)}, or {allowed}")
     return [output.with_name(output.name % number) for number in range(1, frames + 1)]
 

@@ -111,7 +111,7 @@ def test_numbered_files_of_light(tmp_path):
     spec = ["movie", "spheres", "--sweep", "alpha=0:30", "--frames", "2", "--size", "32x32", "--quality", "draft"]
     assert povgen([*spec, "-o", "%d.exr"], tmp_path)[:2] == (0, "wrote %d.exr: 2 files\n")
     assert info(tmp_path / "2.exr").rendering.bits == 32 and info(tmp_path / "2.exr").frames[0]["alpha"] == 30
-    assert "a name with a number, such as a%04d.exr, for a file" in refused([*spec, "-o", "a.exr"], tmp_path)
+    assert "a name with a number, such as a%04d.exr, for an EXR file" in refused([*spec, "-o", "a.exr"], tmp_path)
     assert "bits = 16: an EXR file has 32" in refused([*spec, "-o", "%d.exr", "--bits", "16"], tmp_path)
     with pytest.raises(InputError, match="exists, and povgen did not write it"):
         (tmp_path / "1.exr").write_bytes(b"mine")
