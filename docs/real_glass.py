@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 from lines import save_lines
 
+from povgen import Bundle, Chess
 from povgen.measure.plotting import GREY, Axes, drawn, plain_ticks
 from povgen.optics.diffraction import best_pitch, blur
-from povgen.optics.polarisation import jones, transmission
-from povgen.optics.prism import Prism
+from povgen.optics.polarisation import transmission
 
 WAVELENGTHS = {"450 nm": 450e-9, "550 nm": 550e-9, "650 nm": 650e-9}
 LIGHT = {"450 nm": "#1f4fd8", "550 nm": "#2e9e2e", "650 nm": "#d11919"}  # the light's own colours
@@ -37,8 +37,10 @@ def save_charts(folder: Path) -> None:
 def draw_polarisation(ax: Axes) -> None:
     """Draw the share of linearly polarised light that passes two sheets, against its angle, for light along z."""
     angle = np.arange(181)
+    light = Bundle(np.column_stack((np.linspace(-0.1, 0.1, 50),) * 2 + (np.ones(50),)), (0, 0, -1))
     for alpha, colour in zip((0, 66, 120, 180), BLUES, strict=True):
-        J = jones([0, 0, -1], [0, np.radians(alpha) / 2], Prism(1.0))
+        traced = Chess(alpha=alpha).trace(light, path=True)
+        J = traced.jones[traced.designed][0]  # the same for all of them
         ax.plot(angle, transmission(J, np.radians(angle)), color=colour, linewidth=2, label=f"α = {alpha}°")
     ax.set(xlabel="polarisation, degrees from the far sheet's ridges", ylabel="share of the light that passes")
     ax.set(xlim=(0, 180), ylim=(0.6, 1), title="The larger α, the less polarisation matters")

@@ -19,7 +19,7 @@ from povgen.measure.targets import located, transverse, unit
 from povgen.optics import equations
 from povgen.optics.faces import Face
 from povgen.optics.ghosts import Ghost, field
-from povgen.optics.polarisation import jones, mean_transmission, transmission
+from povgen.optics.polarisation import transmission
 from povgen.optics.profile import confocal
 from povgen.optics.rays import Bundle, Traced
 from povgen.optics.trace import End
@@ -318,13 +318,11 @@ def partial_reflection(scenes: Sequence[Light], size: Size) -> Numbers:
     """
     (scene,) = scenes
     inside, direction = camera.rays(scene, size)
-    angles, prism = [0, radians(scene.alpha) / 2], scene.prism
-    light = -equations.rotate(direction, radians(scene.alpha))  # towards the eye, before the sheets
-    clear = probes.brightness(scene.replace(fresnel=False), size)[inside] > 0.99
-    clear &= scene.trace(scene.camera.along(direction)).designed
+    traced = scene.trace(scene.camera.along(direction), partial=np.random.default_rng(1), path=True)
+    clear = (probes.brightness(scene.replace(fresnel=False), size)[inside] > 0.99) & traced.designed
     seen = probes.brightness(scene, size)[inside][clear]
-    off = np.quantile(abs(seen - mean_transmission(light[clear], angles, prism)), 0.99)
-    polarised = transmission(jones(light[clear], angles, prism)).mean()
+    off = np.quantile(abs(seen - traced.light[clear]), 0.99)
+    polarised = transmission(traced.jones[clear]).mean()
     return float(off), abs(seen.mean() - polarised), seen.mean(), polarised
 
 
