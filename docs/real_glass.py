@@ -7,7 +7,7 @@ from lines import save_lines
 
 from povgen import Bundle, Chess
 from povgen.measure.plotting import GREY, Axes, drawn, plain_ticks
-from povgen.optics.diffraction import best_pitch, blur
+from povgen.optics.equations import depth
 from povgen.optics.polarisation import transmission
 
 WAVELENGTHS = {"450 nm": 450e-9, "550 nm": 550e-9, "650 nm": 650e-9}
@@ -16,6 +16,9 @@ FAR = ("#e0a100", "#d1603d", "#7b4b94", "#0b2f55")  # the darker, the farther aw
 BLUES = ("#0b1f3a", "#0b4a85", "#1f74c4", "#4f9be0")  # prisms, the lighter the larger alpha
 Z2 = 1.0  # metres
 ALPHA = 66  # degrees
+SHIFT = np.sqrt(2 / 3)  # RMS displacement of rays by two sheets, in pitches
+# RMS angle of the diffraction at two sheets, in wavelengths/pitch: of the Gaussian as wide as sinc^2 at half maximum
+SPREAD = np.sqrt(2) * 0.8858929414 / (2 * np.sqrt(2 * np.log(2)))
 
 
 def save_charts(folder: Path) -> None:
@@ -69,7 +72,13 @@ def draw_blur(ax: Axes) -> None:
 
 def minutes(pitch: float | np.ndarray, z1: float) -> np.ndarray:
     """Return the blur for 550 nm, minutes of arc. Lengths are in metres."""
-    return np.asarray(60 * np.degrees(blur(pitch, 550e-9, z1, Z2, np.radians(ALPHA))))
+    wide = np.hypot(SHIFT * pitch, SPREAD * 550e-9 * z1 / pitch)
+    return np.asarray(60 * np.degrees(wide / abs(depth(z1, Z2, np.radians(ALPHA)))))
+
+
+def best_pitch(wavelength: float, z1: float | np.ndarray) -> np.ndarray:
+    """Return the pitch of least blur: shift and diffraction are then equal. Lengths are in metres."""
+    return np.asarray(np.sqrt(SPREAD / SHIFT * wavelength * z1))
 
 
 def draw_best_pitch(ax: Axes) -> None:

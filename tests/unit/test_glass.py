@@ -5,7 +5,8 @@ import pytest
 import real_glass as glass
 
 from povgen.measure.plotting import Figure
-from povgen.optics.diffraction import best_pitch
+from povgen.optics.prism import Prism
+from povgen.optics.trace import pair, trace
 
 
 def curves(draw):
@@ -29,4 +30,14 @@ def test_the_dots_are_at_the_least_blur():
     for (pitch, least), z1 in zip(dots, (0.3, 1, 3, 10), strict=True):
         assert least == pytest.approx(glass.minutes(np.array([0.99, 1, 1.01]) * pitch / 1e3, z1).min())
     z1, best = curves(glass.draw_best_pitch)["450 nm"].T
-    assert best == pytest.approx(1e3 * best_pitch(450e-9, z1))
+    assert best == pytest.approx(1e3 * 0.81 * np.sqrt(450e-9 * z1), rel=0.005)
+
+
+def test_the_shift_of_rays_through_two_sheets(rng):
+    """Parallel light along z: the exact trace displaces it by sqrt(2/3) of a prism's height, RMS."""
+    prism = Prism(2.4 / 100)
+    origin = np.column_stack((rng.uniform(-0.5, 0.5, (4000, 2)), np.full(4000, -1.0)))
+    rays = trace(origin, [[0, 0, 1]], pair(np.radians(66), prism), 2.4)
+    shift = (rays.position - origin)[rays.designed, :2]
+    assert rays.designed.mean() > 0.95
+    assert np.sqrt((shift**2).sum(1).mean()) == pytest.approx(glass.SHIFT * prism.height, rel=0.02)
