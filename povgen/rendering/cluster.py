@@ -100,11 +100,17 @@ class Cluster:
         If that worker is lost, another one calls it. Raises as `run`.
         """
         future = self._client.submit(call, self._versions, self._renderer, function, *arguments, pure=False)
+
+        async def result() -> Result:
+            found: Result = await future
+            return found
+
+        # future.result(timeout) would, at its end, also end the transfer of all results that are on their way together
+        waiting = asyncio.run_coroutine_threadsafe(result(), self._client.loop.asyncio_loop)
         try:
             while not self._stopped:
-                with suppress(TimeoutError):
-                    found: Result = future.result(timeout=POLL)
-                    return found
+                if concurrent.futures.wait([waiting], POLL).done:
+                    return waiting.result()
             raise PovrayError("the work was stopped")
         except PovrayError:
             raise
@@ -116,6 +122,7 @@ class Cluster:
         except Exception as error:
             raise PovrayError(f"scheduler {self._scheduler}: {_first_line(error)}") from None
         finally:
+            waiting.cancel()
             future.release()
 
     def stop(self) -> None:
