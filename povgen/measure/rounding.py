@@ -1,6 +1,5 @@
 """Find rays whose path POV-Ray's rounding decides: where they end does not say whether the scene is right."""
 
-from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -25,7 +24,7 @@ def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
     meets two faces, one after the other, at points within MIN_DISTANCE of each other, as at an edge.
     """
     max_faces, rays = survey.max_trace_level(scene), scene.camera.along(direction)
-    path = scene.trace(rays, max_faces)
+    path = scene.trace(rays, max_faces, path=True)
     sensitive = np.zeros(len(direction), bool)
     front = rays.position + direction * ((scene.z2 - 0.51 * scene.depth) / direction[:, 2:])
     across = np.cross(direction, (0, 1, 0))
@@ -40,8 +39,5 @@ def decided_by_rounding(scene: Directions, direction: Floats) -> Mask:
         neighbour = scene.trace(Bundle(displaced, turned), max_faces)
         sensitive |= (neighbour.faces != path.faces).any(1) | (neighbour.end != path.end)
         sensitive |= np.linalg.norm(neighbour.direction - path.direction, axis=1) > 5e-4
-    # for the first face, the second, ...: where each ray meets it. A ray that has left stays at its last face.
-    positions = [scene.trace(rays, met).position for met in range(1, path.count.max(initial=0) + 1)]
-    for met, (position, after) in enumerate(pairwise(positions), 1):
-        sensitive |= (np.linalg.norm(after - position, axis=1) < MIN_DISTANCE) & (path.count > met)
-    return sensitive
+    apart = np.linalg.norm(np.diff(path.corners, axis=1), axis=2)  # NaN after the end
+    return np.asarray(sensitive | ((apart < MIN_DISTANCE) & (path.met[:, 1:] > 0) & (path.met[:, :-1] > 0)).any(1))

@@ -35,6 +35,7 @@ MOST_FACES = 100_000
 PART = 16384  # rays that are followed at once through ideal sheets: their arrays stay in the processor's cache
 MOST_CROSSINGS = 100  # of windows, by one ray
 AWAY = 5e-5  # tiles: so far behind a sheet a ray that leaves it starts, for another tracer
+Bent = tuple[Indices, Floats, Floats, int]  # rays that an ideal sheet has bent: numbers, positions, directions, window
 # the greatest error of the transverse part of a traced ray's unit direction: that of light that comes from behind
 _PRECISION = 1e-11
 
@@ -67,15 +68,6 @@ class Opening(NamedTuple):
         sheets = self.sheet.glass
         depth = sheets[-1].centre - sheets[0].centre + sheets[0].shape.length if sheets else 0.0
         return self._replace(frame=max(self.frame, depth))
-
-
-class Bent(NamedTuple):
-    """Rays that an ideal sheet has bent."""
-
-    ray: Indices  # their numbers, (n,)
-    position: Floats  # (n, 3)
-    direction: Floats  # (n, 3)
-    window: int
 
 
 class Convergence(NamedTuple):
@@ -473,10 +465,10 @@ class _Way:
             ends[(ends == End.THROUGH) & framed] = End.FRAME
         position, direction = window.pose.scene(position, direction)
         if self.path and not self.sheets[w]:
-            bent = i[passed], taken(position, passed), np.ones(len(passed)), np.full(len(passed), ray_path.IDEAL)
-            self.events.append(Event(*bent))
+            kind = np.full(len(passed), ray_path.IDEAL)
+            self.events.append(Event(i[passed], taken(position, passed), np.ones(len(passed)), kind))
         if self.bent is not None and not self.sheets[w]:
-            self.bent.append(Bent(i[passed], taken(position, passed), taken(direction, passed), w))
+            self.bent.append((i[passed], taken(position, passed), taken(direction, passed), w))
         # numpy sets whole vectors in four times as long
         for array, values in zip((self.rays.position, self.rays.direction), (position, direction), strict=True):
             for numbers, new in zip(array.T, values.T, strict=True):
