@@ -69,7 +69,7 @@ KINDS = "a PNG, EXR, MP4, WebM, WebP, GIF, SVG, PDF, CSV, JSON, HTML, OBJ, GLB o
 
 
 class Record(Model):
-    """How povgen made a file. That of a chart, a table, a page or a part has no frames: its command says all."""
+    """How povgen made a file. That of a file which shows no scene has no frames: its command says all."""
 
     povgen: str = Field(description="povgen's version")
     cite: str = Field(default="", description="povgen's address, and what to cite")
@@ -295,11 +295,24 @@ def _check_lengths(values: dict[str, Any]) -> None:
 # ---- Writing
 
 
+_of_scene: ContextVar[Record | None] = ContextVar("_of_scene", default=None)
+
+
+@contextmanager
+def saved_with(record: Record) -> Iterator[None]:
+    """Let this be the record of files that `save` writes."""
+    token = _of_scene.set(record)
+    try:
+        yield
+    finally:
+        _of_scene.reset(token)
+
+
 def save(made: bytes | Path, output: Path) -> None:
     """Write a file as `files.write` does. All of povgen's files are written here.
 
-    Data get a record if they have none, and if the format has room for one. An STL file has room for HOME alone. A path
-    is of a file that has its record.
+    Data get a record, that of `saved_with` or one without frames, if they have none and the format has room for
+    one. An STL file has room for HOME alone. A path is of a file that has its record.
     """
     if isinstance(made, bytes) and not FIRST_LINE.search(made):
         made = _with_record(made, output.suffix.lower())
@@ -307,8 +320,8 @@ def save(made: bytes | Path, output: Path) -> None:
 
 
 def _with_record(made: bytes, suffix: str) -> bytes:
-    """Return the data of a file with this ending, with a record without frames."""
-    record = bytes(Record(povgen=__version__, cite=CITE, command=command()))
+    """Return the data of a file with this ending, with a record."""
+    record = bytes(_of_scene.get() or Record(povgen=__version__, cite=CITE, command=command()))
     line = record.replace(b"\n", b" ")
     if suffix in COMMENTS:
         before, after = COMMENTS[suffix]

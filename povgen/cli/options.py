@@ -102,7 +102,7 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
         del options["antialias"]
     if not quiet and values.get("renderer", record.rendering.renderer) == record.rendering.renderer:
         here = __version__, drawn_by(record.rendering.renderer)
-        if here != (record.povgen, record.renderer):
+        if record.renderer and here != (record.povgen, record.renderer):
             made = f"made by povgen {record.povgen} and {record.renderer}, here are {' and '.join(here)}"
             say(f"povgen: warning: {source}: {made}: pixels can differ")
     return record, scenes, {**options, **values}

@@ -17,12 +17,13 @@ from povgen.optics.faces import GlassSheet, single_prisms
 from povgen.optics.outline import Outline
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
-from povgen.record import recorded_call, save
+from povgen.record import recorded_call, save, saved_with
 from povgen.scene.scene import Scene, checked_scene
 from povgen.scene.scenes import input_files
 from povgen.sheets import SHEETS
 from povgen.sheets.layered import Layered
 from povgen.validation import Model, as_flag
+from povgen.video.still import record_of
 
 try:
     import trimesh
@@ -60,7 +61,8 @@ def part(scene: Scene, output: str | Path, tile: float = 100.0, frame: bool = Fa
         mesh = solid.scale((scale, scale, scale)).mirror((0, 0, 1)).to_mesh64()
         made.add_geometry(trimesh.Trimesh(mesh.vert_properties, mesh.tri_verts, process=False), name, name)
     data = made.export(file_type=kind)
-    save(data.encode() if isinstance(data, str) else data, target)
+    with saved_with(record_of([scene])):
+        save(data.encode() if isinstance(data, str) else data, target)
     return target
 
 

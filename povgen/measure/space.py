@@ -10,9 +10,10 @@ from povgen.files import checked_output
 from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn
 from povgen.optics.rays import Traced
 from povgen.optics.trace import End
-from povgen.record import DRAWINGS, recorded_call
+from povgen.record import DRAWINGS, recorded_call, saved_with
 from povgen.scene.scene import Scene, checked_scene
 from povgen.settings import Print
+from povgen.video.still import record_of
 
 SIZE = (9, 6)  # inches
 ZOOM = 1.2  # so that the drawing fills the picture
@@ -54,7 +55,7 @@ def draw(
     boxes = [each.edges for each in solid if np.linalg.norm(each.pose.place - eye) < far]
     everything = np.concatenate([eye[None], *edges, *boxes])
     length = 0.3 * float(np.linalg.norm(np.ptp(everything, axis=0)))
-    with drawn(*SIZE, target, printed=printed) as figure:
+    with saved_with(record_of([scene])), drawn(*SIZE, target, printed=printed) as figure:
         axes = figure.add_subplot(projection="3d")
 
         def line(points: NDArray[np.float64], colour: str, width: float = 1) -> None:

@@ -222,16 +222,15 @@ def as_file(scene: Scene, rendering: Rendering | None = None, ending: str = ".pn
 
 def record_of(
     scenes: Sequence[Scene],
-    rendering: Rendering,
+    rendering: Rendering | None = None,
     title: str | None = None,
     frame_rate: float | None = None,
     notes: Sequence[str] = (),
 ) -> Record:
     """Return the record of a picture, or of a movie with this title, frame rate and notes of its frames.
 
-    It has the files that are seen.
-
-    Raises InputError if it would be too large, or if the file of a piece or a profile has two different texts in these
+    Without `rendering` it is that of another file that shows the scenes. It has the files that are seen. Raises
+    InputError if it would be too large, or if the file of a piece or a profile has two different texts in these
     scenes. Raises what `drawn_by` raises.
     """
     scenes = [with_seen_files(scene) for scene in scenes]
@@ -248,16 +247,16 @@ def record_of(
                 raise InputError(f"profile = {shown(str(profile))}: its name has two texts; allowed: one text of it")
     if sum(meshes.values()) > MAX_LARGE:
         texts = {name: text for name, text in texts.items() if name not in meshes}
-    rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
+    drawn: dict[str, Any] = {}
+    if rendering:
+        rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
+        drawn = {"renderer": drawn_by(rendering.renderer), "rendering": rendering.model_dump()}
+        drawn |= {"title": title, "frame_rate": frame_rate, "notes": notes}
     made = Record(
         povgen=__version__,
         cite=CITE,
         command=command(),
-        renderer=drawn_by(rendering.renderer),
-        rendering=rendering.model_dump(),
-        title=title,
-        frame_rate=frame_rate,
-        notes=notes,
+        **drawn,
         pieces=texts,
         pictures=_small_pictures(scenes),
         frames=differing([{"scene": scene.name, **scene.model_dump(mode="json")} for scene in scenes]),

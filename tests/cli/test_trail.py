@@ -80,8 +80,8 @@ def test_every_file_has_its_record(name, arguments, files, tmp_path, nothing_mea
         found = json.loads(povgen(["info", file], tmp_path)[1])
         assert found["povgen"] == __version__ and found["cite"] == CITE and HOME in CITE
         assert found["command"] == " ".join(["povgen", name, *arguments])
-        assert ("frames" in found) == (name in ("frame", "movie"))
-        if name not in ("frame", "movie"):
+        assert ("frames" in found) == (name in ("frame", "movie", "part", "tolerance"))
+        if "frames" not in found:
             said = povgen(["frame", "--from", file, "-o", "again.png"], tmp_path)
             assert said == (2, "", f"povgen: '{file}': its record has no scene; allowed: a picture or a movie\n")
 
@@ -108,6 +108,8 @@ def test_the_call_in_python(tmp_path):
     part(Chess(prisms=20, gap=0.1), tmp_path / "a.obj", tile=20)
     path = str(tmp_path / "a.obj")
     assert info(path).command == f"povgen.part(Chess(prisms=20, gap=0.1), {path!r}, tile=20)"
+    assert Chess.from_file(path) == Chess(prisms=20, gap=0.1)  # with all its parameters
+    assert povgen(["frame", "--from", "a.obj", "--size", "32x32"], tmp_path) == (0, "wrote frame.png\n", "")
     draw(Chess(prisms=20), tmp_path / "a.pdf", azimuth=-90, elevation=0)
     assert info(tmp_path / "a.pdf").command.endswith("a.pdf', azimuth=-90, elevation=0)")
     live(Chess()).save(tmp_path / "a.html")

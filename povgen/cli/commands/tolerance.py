@@ -16,12 +16,13 @@ from povgen.errors import InputError, one_line
 from povgen.files import checked_output
 from povgen.measure import tolerance
 from povgen.progress import tell
-from povgen.record import DRAWINGS, check_unasked
+from povgen.record import DRAWINGS, check_unasked, saved_with
 from povgen.rendering.parallel import worker_count
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import checked_axial, input_files
 from povgen.settings import Print
 from povgen.sheets.prisms import ERRORS
+from povgen.video.still import record_of
 
 
 @click.command("tolerance", cls=Command)
@@ -74,7 +75,8 @@ def command(
     units = {name: {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of") for name in found}
     _print("what each error changes", "a unit of the error", ((f"{units[name]} {name}", found[name]) for name in found))
     if output and not random:
-        charts.save_sensitivities(found, output, printed)
+        with saved_with(record_of([made])):
+            charts.save_sensitivities(found, output, printed)
     if random:
         differing = tolerance.builds(made, random, count, scheduler)
         deviations = ", ".join(f"{name} {value:g}" for name, value in spread.deviation.items())
@@ -85,7 +87,8 @@ def command(
         )
         _print(title, "of the builds", percentiles)
         if output:
-            charts.save_builds(differing, spread.deviation, output, printed)
+            with saved_with(record_of([made])):
+                charts.save_builds(differing, spread.deviation, output, printed)
     if output and table_file:
         tell(f"wrote {one_line(str(output))} and {one_line(table_file.name)}")
 
