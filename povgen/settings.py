@@ -134,11 +134,15 @@ class Sampling(Model):
             object.__setattr__(suited, "antialias", QUALITIES[self.quality].antialias[not prisms])
         return suited
 
-    def through(self, pupil: float) -> Self:
-        """Return the sampling for an eye with a pupil, whose many rays a pixel are antialiasing enough."""
-        if not pupil:
+    def through(self, pupil: float, polarised: bool = False) -> Self:
+        """Return the sampling for an eye with a pupil, whose many rays a pixel are antialiasing enough.
+
+        A `polarised` picture is the sum of several pictures, each of one ray a pixel.
+        """
+        if not (pupil or polarised):
             return self
-        rays = None if getattr(self, "renderer", "povray") == "povray" else (1, 0.1, isqrt(PUPIL_RAYS - 1))
+        one = polarised or getattr(self, "renderer", "povray") == "povray"
+        rays = None if one else (1, 0.1, isqrt(PUPIL_RAYS - 1))
         return self.model_copy(update={"antialias": rays})
 
     @property

@@ -28,6 +28,8 @@ def values(scene: Scene) -> dict[str, Any]:
         raise InputError("fresnel = true: the live view follows one ray a pixel, which does not split; allowed: false")
     if not all(sheet.is_exact for sheet in scene.sheets):
         raise InputError("error: the live view shows sheets that are built exactly; allowed: no errors of building")
+    if scene.polarised:
+        raise InputError("polariser, analyser: the live view has none; allowed: none")
     if scene.wavelength == WHITE:
         raise InputError(f"wavelength = {WHITE}: the live view shows one; allowed: a number of nm")
     found = _preset(scene) if isinstance(scene, AxialScene) else _room(scene)

@@ -75,38 +75,45 @@ def jones(corners: Floats, media: Floats, met: Indices) -> Complexes:
     is left out. At a face that reflects a part of the light, the amplitude is that of the ray's own branch. NaN for
     rays that pass an ideal sheet.
     """
-    step = np.diff(corners, axis=-2)
-    size = np.linalg.norm(step, axis=-1, keepdims=True)
-    # a part without a length, as where a ray ends on a face, has the direction of the part before it
-    way = np.where(size > 1e-12, step / size, np.nan)
-    k = way[..., 0, :]
-    field = axes(k).astype(complex)
-    for n in range(1, met.shape[-1] - 1):
-        n1, n2, after = media[..., n - 1, None], media[..., n, None], way[..., n, :]
-        after = np.where(np.isnan(after), k, after)
-        here = (met[..., n] > 0)[..., None]
-        reflects = n1 == n2
-        normal = np.where(reflects, after - k, n2 * after - n1 * k)
-        # along the normal, s is any direction across it
-        s = np.cross(k, normal)
-        s = np.where(np.linalg.norm(s, axis=-1, keepdims=True) > 1e-12, s, np.cross(k, _across(k)))
-        s = s / np.linalg.norm(s, axis=-1, keepdims=True)
-        normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
-        outside = np.where(reflects, np.where(n1 > 1, 1.0, _other(media)), n2)
-        amplitudes = reflection(n1[..., 0], outside[..., 0], np.clip(abs((k * normal).sum(-1)), 0, 1))
-        changed = np.zeros_like(field)
-        for r, before, behind in zip(amplitudes, (s, np.cross(k, s)), (s, np.cross(after, s)), strict=True):
-            r = np.where(reflects[..., 0], r, np.sqrt(np.maximum(1 - abs(r) ** 2, 0)))
-            changed = changed + (r[..., None] * behind)[..., None] * (before[..., None] * field).sum(-2, keepdims=True)
-        field = np.where(here[..., None], changed, field)
-        k = np.where(here, after, k)
-    found = np.swapaxes(axes(k), -1, -2) @ field
-    return np.where((met == IDEAL).any(-1)[..., None, None], np.nan, found)
+    shape, k = met.shape[:-1], met.shape[-1]
+    corners, media, met = corners.reshape(-1, k, 3), media.reshape(-1, k - 1), met.reshape(-1, k)
+    now = _way(corners[:, 0], corners[:, 1], np.nan)
+    field = axes(now).astype(complex)
+    glass = np.nanmax(media, axis=1)
+    for n in range(1, k - 1):
+        i = np.flatnonzero(met[:, n] > 0)
+        after = _way(corners[i, n], corners[i, n + 1], now[i])
+        field[i] = _met(field[i], now[i], after, media[i, n - 1], media[i, n], glass[i])
+        now[i] = after
+    found = np.swapaxes(axes(now), -1, -2) @ field
+    return np.where((met == IDEAL).any(-1)[:, None, None], np.nan, found).reshape(*shape, 2, 2)
 
 
-def _other(media: Floats) -> Floats:
-    """Return the index of the glass that rays meet, (..., 1): that of a face that reflects a ray in the air."""
-    return np.asarray(np.nanmax(media, axis=-1, keepdims=True))
+def _way(start: Floats, end: Floats, before: Floats | float) -> Floats:
+    """Return unit vectors (n, 3). A part without a length, as where a ray ends on a face, has the one `before`."""
+    size = np.linalg.norm(end - start, axis=-1, keepdims=True)
+    return np.where(size > 1e-12, (end - start) / size, before)
+
+
+def _met(field: Complexes, k: Floats, after: Floats, n1: Floats, n2: Floats, glass: Floats) -> Complexes:
+    """Return the fields (n, 3, 2) of rays behind a face that turns their directions from `k` to `after` (n, 3).
+
+    n1 and n2 (n,) are the indices before and behind it, and `glass` is that of the ray's glass.
+    """
+    reflects = n1 == n2
+    normal = np.where(reflects[:, None], after - k, n2[:, None] * after - n1[:, None] * k)
+    # along the normal, s is any direction across it
+    s = np.cross(k, normal)
+    s = np.where(np.linalg.norm(s, axis=-1, keepdims=True) > 1e-12, s, np.cross(k, _across(k)))
+    s = s / np.linalg.norm(s, axis=-1, keepdims=True)
+    normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+    outside = np.where(reflects, np.where(n1 > 1, 1.0, glass), n2)
+    amplitudes = reflection(n1, outside, np.clip(abs((k * normal).sum(-1)), 0, 1))
+    changed = np.zeros_like(field)
+    for r, before, behind in zip(amplitudes, (s, np.cross(k, s)), (s, np.cross(after, s)), strict=True):
+        r = np.where(reflects, r, np.sqrt(np.maximum(1 - abs(r) ** 2, 0)))
+        changed = changed + (r[:, None] * behind)[..., None] * (before[..., None] * field).sum(-2, keepdims=True)
+    return changed
 
 
 def _across(k: Floats) -> Floats:

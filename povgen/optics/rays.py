@@ -464,7 +464,7 @@ class _Way:
             framed = window.outline.excludes(*(position + way[:, None] * direction)[:, :2].T)
             ends[(ends == End.THROUGH) & framed] = End.FRAME
         position, direction = window.pose.scene(position, direction)
-        if self.path and not self.sheets[w]:
+        if self.path and not self.sheets[w] and not np.all(window.sheet.transfer == np.eye(5)):
             kind = np.full(len(passed), ray_path.IDEAL)
             self.events.append(Event(i[passed], taken(position, passed), np.ones(len(passed)), kind))
         if self.bent is not None and not self.sheets[w]:

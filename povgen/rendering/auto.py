@@ -153,8 +153,10 @@ def choose(
     if flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
     """
     shown = [view for scene in given for view in views(scene, rendering)]
-    if any(scene.pupil or scene.wavelength == WHITE for scene in shown):
-        raise InputError("sheet = 'auto': not with a pupil or in white light; allowed: 'detailed', 'ideal' or 'none'")
+    if any(scene.pupil or scene.wavelength == WHITE or scene.polarised for scene in shown):
+        raise InputError(
+            "sheet = 'auto': not with a pupil, polarisers or in white light; allowed: 'detailed', 'ideal' or 'none'"
+        )
     scenes = [checked_axial(view, "sheet = 'auto'") for view in shown]
     if any(scene.window for scene in scenes):
         raise InputError("sheet = 'auto': not for several windows; allowed: 'detailed', 'ideal' or 'none'")

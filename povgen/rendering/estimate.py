@@ -67,8 +67,9 @@ def rays(frames: Sequence[Scene], rendering: Rendering) -> float:
     """
     suited = rendering.suited(any(scene.has_prisms for scene in frames))
     width, height = suited.size
-    if any(scene.pupil for scene in frames):
-        return width * height * len(frames) * (PUPIL_RAYS if suited.renderer == "gl" else 1)
+    if any(scene.pupil or scene.polarised for scene in frames):
+        each = PUPIL_RAYS if suited.renderer == "gl" and not any(scene.polarised for scene in frames) else 1
+        return width * height * len(frames) * each
     if suited.renderer == "gl":
         more = suited.rays - 1.0
     elif isinstance(suited.antialias, tuple):

@@ -31,7 +31,7 @@ SHOWN_FAILURES = 3  # the greatest number of failed frames that a message descri
 
 def _cached_or_rendered(scene: Scene, rendering: Rendering, source: str, runner: Runner) -> bytes:
     """Return the bytes of the frame's file. Raises PovrayError, whose message states the scene's parameters."""
-    rendering = rendering.through(scene.pupil)
+    rendering = rendering.through(scene.pupil, scene.polarised)
     path = cache.frame_path(source, rendering)
     if frame := cache.read(path):
         return frame
@@ -190,7 +190,10 @@ def missing(scenes: Sequence[Scene], rendering: Rendering) -> int:
     rendering = rendering.suited(any(scene.has_prisms for scene in scenes))
     every = list(chain(*(frames_of(scene, rendering) for scene in scenes)))
     to_text, *_ = renderer_of(every, rendering, None, 1)
-    return sum(not cache.frame_path(to_text(scene), rendering.through(scene.pupil)).is_file() for scene in every)
+    return sum(
+        not cache.frame_path(to_text(scene), rendering.through(scene.pupil, scene.polarised)).is_file()
+        for scene in every
+    )
 
 
 def shard(scenes: list[Scene], part: str) -> list[Scene]:

@@ -2,6 +2,7 @@
 
 import zlib
 from collections.abc import Iterable
+from itertools import repeat
 from math import isqrt
 from pathlib import Path
 from typing import Any
@@ -24,17 +25,22 @@ def linear(picture: Picture) -> Light:
     return hdr.linear(range(256))[picture]
 
 
-def mixed(pictures: Iterable[NDArray[Any]], weights: Iterable[NDArray[Any]]) -> NDArray[Any]:
+def mixed(
+    pictures: Iterable[NDArray[Any]],
+    weights: Iterable[NDArray[Any]],
+    shares: Iterable[NDArray[Any]] = repeat(np.ones(1)),
+) -> NDArray[Any]:
     """Return the weighted sum of the light of pictures: sRGB bytes, or light. The result is of the same kind.
 
-    A weight is a matrix (3, 3), by which red, green and blue are multiplied. Bytes below black and above white do not
-    exist; light can be both.
+    A weight is a matrix (3, 3), by which red, green and blue are multiplied. A share (height, width, 1) multiplies each
+    pixel. Bytes below black and above white do not exist; light can be both.
     """
     light: Light = np.zeros(1, np.float32)
     kind: np.dtype[Any] = light.dtype
-    for picture, weight in zip(pictures, weights, strict=True):
+    for picture, weight, share in zip(pictures, weights, shares, strict=False):
         kind = picture.dtype
-        light = light + (linear(picture) if kind == np.uint8 else picture) @ weight.T.astype(np.float32)
+        one = (linear(picture) if kind == np.uint8 else picture) @ weight.T.astype(np.float32)
+        light = light + one * share.astype(np.float32)
     return hdr.as_bytes(light) if kind == np.uint8 else light
 
 

@@ -1,6 +1,7 @@
 """A picture that is composed of several frames: two eyes' views, or a transparent background."""
 
 from collections.abc import Callable, Sequence
+from itertools import islice, repeat
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from povgen.inputs.hdr import encoded
 from povgen.optics.rays import Opening
 from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
-from povgen.scene import pupil, white
+from povgen.scene import polarisers, pupil, white
 from povgen.scene.camera import Vector
 from povgen.scene.scene import Scene, checked_class
 from povgen.settings import PUPIL_RAYS, Rendering
@@ -49,28 +50,35 @@ def frames_of(scene: Scene, rendering: Rendering) -> list[Scene]:
     """Return the scenes that are rendered for each of the `views`, one view after another.
 
     White light is shown by pictures at several wavelengths. POV-Ray shows an eye with a pupil by pictures from
-    PUPIL_RAYS places in it. Raises as `views` does, and InputError if an eye cannot be at one of these places.
+    PUPIL_RAYS places in it. Through polarisers, each picture has one ray a pixel. Raises as `views` does, and
+    InputError if an eye cannot be at one of these places.
     """
     shown = [each for view in views(scene, rendering) for each in white.coloured(view)]
-    if not scene.pupil or rendering.renderer == "gl":
+    if not (scene.polarised or scene.pupil and rendering.renderer == "povray"):
         return shown
-    jitter = [complex(*light.place(number, PUPIL_RAYS, False)) for number in range(PUPIL_RAYS)]
+    rays = PUPIL_RAYS if scene.pupil else polarisers.PLACES
+    jitter = [complex(*light.place(number, rays, False)) for number in range(rays)]
     try:
-        return [eye for view in shown for eye in pupil.eyes(view, jitter, view.camera.height / rendering.size[1])]
+        eyes = [eye for view in shown for eye in pupil.eyes(view, jitter, view.camera.height / rendering.size[1])]
     except InputError as error:
         raise InputError(f"pupil = {scene.pupil:g}: for a place in it, {error}") from None
+    return [eye.replace(pupil=0) for eye in eyes] if scene.polarised else eyes
 
 
 def merged(
-    frames: Sequence[bytes], read: Callable[[bytes], NDArray[Any]], scene: Scene, count: int
+    frames: Sequence[bytes], read: Callable[[bytes], NDArray[Any]], scene: Scene, rendering: Rendering
 ) -> list[NDArray[Any]]:
-    """Return the pictures of so many `views` from their frames (`frames_of`), which `read` decodes: sums of light."""
+    """Return the pictures of the `views` from their frames (`frames_of`), which `read` decodes: sums of light."""
+    count = len(views(scene, rendering))
     each = len(frames) // count
     if each == 1:
         return [read(frame) for frame in frames]
     colours = white.mixing() if scene.wavelength == white.WHITE else np.eye(3)[None]
     weights = np.repeat(colours * len(colours) / each, each // len(colours), axis=0)
-    return [light.mixed(map(read, frames[n : n + each]), weights) for n in range(0, len(frames), each)]
+    eyes = frames_of(scene, rendering) if scene.polarised else []
+    passed = (polarisers.passed(eye, rendering.size)[..., None] for eye in eyes) if eyes else repeat(np.ones(1))
+    pictures = map(read, frames)
+    return [light.mixed(islice(pictures, each), weights, passed) for _ in range(count)]
 
 
 def check_gl(scene: Scene) -> None:

@@ -39,6 +39,10 @@ def check(scene: EyeAndWindows) -> None:
             law, parameter = scene.values_of(window, ("law", "parameter")).values()
             _check_law(law, tuple(parameter.items()))
     _check_places(scene)
+    if scene.polarised and any(sheet.name != "none" for sheet in scene.ideal):
+        raise ValueError("polariser, analyser: an ideal sheet has no polarisation; allowed: prisms, lenses or none")
+    if scene.polarised and scene.fresnel:
+        raise ValueError("fresnel = true: rays would split; allowed: without polariser and analyser")
 
 
 def check_clear(scene: EyeAndWindows, what: str, z1: float, nearest: float) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from itertools import pairwise
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field
 
@@ -29,6 +29,7 @@ from povgen.sheets.sheet import Sheet
 APERTURE = 3.0  # the default side of the window, tiles
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
 MAX_VIEW = 100
+Angle = Annotated[float, Field(ge=-360, le=360)] | Literal["none"]
 
 
 class EyeAndWindows(Scene, ParametersOfSheets):
@@ -61,10 +62,19 @@ class EyeAndWindows(Scene, ParametersOfSheets):
         default=(0, 0),
         description="X,Y of the point in the picture's middle, in the plane of the sheets, -10 to 10 tiles",
     )
+    polariser: Angle = Field(
+        default="none",
+        description="a polariser behind the last window: degrees counter-clockwise from x, as the eye sees it, or none",
+    )
+    analyser: Angle = Field(default="none", description="a polariser before the first window, in the same way")
     if TYPE_CHECKING:  # the names of changes are those of the parameters
 
         @property
         def replace(self) -> type[Self]: ...
+
+    @property
+    def polarised(self) -> bool:
+        return (self.polariser, self.analyser) != ("none", "none")
 
     @property
     def E(self) -> complex:

@@ -119,8 +119,6 @@ def eyes(scene: Scene, jitter: ArrayLike, pixel: float) -> list[Scene]:
 
     Each of the pictures is moved by `jitter` (n,), x + iy in pixels, to the right and up. A pixel's side is in tiles.
     """
-    if not scene.pupil:
-        return [scene]
     aside = scene.pupil / 2 * places(len(np.atleast_1d(jitter)))
     moved = aside * (1 - distance(scene.camera) * inverse_focus(scene)) + pixel * np.asarray(jitter)
     return [scene.seen_from(complex(place), complex(step)) for place, step in zip(aside, moved, strict=True)]

@@ -34,7 +34,7 @@ SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂", "index": "n"}
 # Units of parameters that have no `Parameter.unit`.
 LENGTHS = "z", "z1", "z2", "x", "eye", "look", "line", "aperture", "view", "pedestal", "pupil", "focus"
 OF_THINGS = "y", "width", "height", "radius"  # in a room
-UNITS = {"wavelength": "nm", "yaw": "degrees", "pitch": "degrees", "roll": "degrees"}
+UNITS = {"wavelength": "nm"} | dict.fromkeys(("yaw", "pitch", "roll", "polariser", "analyser"), "degrees")
 UNITS |= dict.fromkeys((*LENGTHS, *OF_THINGS), "tiles")
 # How captions state z1: behind a single window, and behind several.
 BEHIND, BEHIND_LAST = (Said(f"z₁ = {{}} behind the {window}", full="z₁ = {}") for window in ("window", "last window"))

@@ -149,6 +149,11 @@ class Scene(Model):
         return bool(self.layered)
 
     @property
+    def polarised(self) -> bool:
+        """Whether there is a polariser or an analyser."""
+        return False
+
+    @property
     def is_empty(self) -> bool:
         """Whether no window has a sheet."""
         return {sheet.name for sheet in self.sheets} <= {"none"}

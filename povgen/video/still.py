@@ -286,12 +286,11 @@ def picture(
     Each frame gets the overlay, the caption and the side view that `rendering` asks for. In a movie, `caption`, `shows`
     (the extent of the side view) and `said` (the legend) must be given, because they depend on all scenes of the movie.
     """
-    count = len(views(scene, rendering))
     if rendering.is_light:
-        pictures = merged(frames, lambda each: light.unpacked(each, rendering.size), scene, count)
+        pictures = merged(frames, lambda each: light.unpacked(each, rendering.size), scene, rendering)
         made = composed(pictures, scene, rendering)
         return made if rendering.bits == 32 else light.as_16_bits(made)
-    pictures = merged(frames, read_png, scene, count)
+    pictures = merged(frames, read_png, scene, rendering)
     if caption or draws_on(scene, rendering):
         from povgen.video import overlay, side
 

@@ -166,7 +166,18 @@ def test_several_parameters_and_explicit_values():
 def test_every_number_of_a_scene_can_be_swept():
     assert swept_numbers(SCENES["chess"]) == {
         **dict.fromkeys(("alpha", "z2", "prisms", "index", "base_angle", "gap", "aspect", "aperture", "view"), 1),
-        **{"eye": 2, "look": 2, "pupil": 1, "focus": 1, "z1": 1, "x": 1, "pedestal": 1, "wavelength": 1},
+        **{
+            "eye": 2,
+            "look": 2,
+            "pupil": 1,
+            "focus": 1,
+            "polariser": 1,
+            "analyser": 1,
+            "z1": 1,
+            "x": 1,
+            "pedestal": 1,
+            "wavelength": 1,
+        },
         **{name: 1 for name, (each, *_) in PARAMETERS.items() if each.kind.endswith("number")},
     }
     assert swept_numbers(SCENES["spheres"])["line"] == 2

@@ -42,7 +42,7 @@ def test_what_shows_one_wavelength_refuses_white_light():
     scene = Chess(glass="BK7", wavelength="white")
     with pytest.raises(InputError, match="wavelength = white: the live view"):
         live(scene)
-    with pytest.raises(InputError, match="not with a pupil or in white light"):
+    with pytest.raises(InputError, match="not with a pupil, polarisers or in white light"):
         from povgen import cheapest
 
         cheapest(scene, "1px")

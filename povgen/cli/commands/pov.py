@@ -1,5 +1,6 @@
 """The command povgen pov."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from povgen.inputs.pictures import used
 from povgen.progress import say
 from povgen.record import save
 from povgen.scene.room import Room
+from povgen.scene.scene import Scene
 from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets
 from povgen.scene.white import WHITE
@@ -46,12 +48,8 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     rays = f"{Path(name).stem}-rays-"
     text = to_sheets(made) if part else to_pov(made, file=name, rays=rays, **sampling)
     warn(options.stated(made, values), [made])
-    for outline in made.outlines:
-        say(f"povgen: warning: {outline} = true: no effect in a .pov file; povgen draws it on the rendered picture")
-    if made.pupil:
-        say(f"povgen: warning: pupil = {made.pupil:g}: a .pov file shows what its middle sees")
-    if made.wavelength == WHITE:
-        say(f"povgen: warning: wavelength = {WHITE}: a .pov file shows one, {WAVELENGTH} nm")
+    for lost in _left_out(made):
+        say(f"povgen: warning: {lost}")
     if output is None:
         print(text, end="")
     else:
@@ -61,3 +59,15 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
         for number, table in enumerate(tables):
             save(table, output.parent / f"{rays}{number}.inc")
         save(text.encode(), output)
+
+
+def _left_out(made: Scene) -> Iterator[str]:
+    """Yield what a text for POV-Ray does not say of a scene, because povgen makes it from rendered pictures."""
+    for outline in made.outlines:
+        yield f"{outline} = true: no effect in a .pov file; povgen draws it on the rendered picture"
+    if made.pupil:
+        yield f"pupil = {made.pupil:g}: a .pov file shows what its middle sees"
+    if made.wavelength == WHITE:
+        yield f"wavelength = {WHITE}: a .pov file shows one, {WAVELENGTH} nm"
+    if made.polarised:
+        yield "polariser, analyser: no effect in a .pov file; povgen weights the rendered pictures"

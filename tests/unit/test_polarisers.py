@@ -1,0 +1,66 @@
+"""Which part of each pixel's light passes a polariser, the glass and an analyser."""
+
+import numpy as np
+import pytest
+
+from povgen import Chess, InputError, live, results
+from povgen.optics import polarisation
+from povgen.optics.trace import End
+from povgen.scene.polarisers import passed
+
+SIZE = (64, 48)
+
+
+@pytest.mark.parametrize("angles", [(0, 0), (0, 90), (30, -45), ("none", 20), (70, "none"), ("none", "none")])
+@pytest.mark.parametrize("values", [{"alpha": 66}, {"alpha": -110, "eye": (0.4, -0.3), "index": 1.7, "base_angle": 40}])
+def test_designed_light_is_that_of_the_closed_form(angles, values):
+    scene = Chess(prisms=40, polariser=angles[0], analyser=angles[1], **values)
+    found = scene.trace(scene.rays(SIZE))
+    light = -found.direction[found.designed]  # runs to the eye; it is unpolarised before the polariser
+    J = polarisation.jones(light, [0, np.radians(scene.alpha) / 2], scene.prism)
+    behind, before = (
+        np.eye(2) if angle == "none" else np.array([[np.cos(angle), np.sin(angle)]]) for angle in map(_radians, angles)
+    )
+    expected = (abs(before @ J @ behind.T) ** 2).sum((-1, -2)) / 2
+    assert len(expected) > 500
+    assert passed(scene, SIZE)[found.designed] == pytest.approx(expected, abs=1e-9)
+
+
+def _radians(angle):
+    return angle if angle == "none" else np.radians(angle)
+
+
+def test_two_analysers_share_all_light_and_what_is_beside_the_window_stays():
+    scene = Chess(prisms=40, polariser=10)
+    found = scene.trace(scene.rays(SIZE))
+    back = found.end == End.BACK
+    sums = [passed(scene.replace(analyser=angle), SIZE) for angle in (25, 115)]
+    alone, beside = passed(scene, SIZE), (found.end != End.THROUGH) & (found.count == 0)
+    assert back.any() and np.sum(sums, 0)[~back & ~beside] == pytest.approx(alone[~back & ~beside])
+    assert (sums[0][beside] == 1).all() and beside.mean() > 0.3
+    assert alone[found.end == End.THROUGH].max() <= 0.5 + 1e-9
+
+
+def test_without_glass_it_is_malus_law():
+    scene = Chess(sheet="none", polariser=20, analyser=80, eye=(0, 0))
+    assert passed(scene, (65, 65))[32, 32] == pytest.approx(np.cos(np.radians(60)) ** 2 / 2)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"sheet": "ideal", "polariser": 0}, "polariser, analyser: an ideal sheet has no polarisation"),
+        ({"fresnel": True, "analyser": 0}, "fresnel = true: rays would split"),
+        ({"analyser": 400}, "analyser = 400: should be less than or equal to 360"),
+    ],
+)
+def test_what_has_no_polarisation_is_refused(values, words):
+    with pytest.raises(InputError, match=words):
+        Chess(**values)
+
+
+def test_the_live_view_has_no_polarisers_and_tables_have():
+    scenes = [Chess(analyser=angle) for angle in (0, 45)]
+    with pytest.raises(InputError, match="the live view has none"):
+        live(scenes[0])
+    assert results(scenes, "nu", progress=False)["analyser"].tolist() == [0, 45]
