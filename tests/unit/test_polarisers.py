@@ -3,31 +3,51 @@
 import numpy as np
 import pytest
 
-from povgen import Chess, InputError, live, results
-from povgen.optics import polarisation
+from povgen import Bundle, Chess, InputError, live, results
 from povgen.optics.trace import End
 from povgen.scene.polarisers import passed
 
 SIZE = (64, 48)
 
 
-@pytest.mark.parametrize("angles", [(0, 0), (0, 90), (30, -45), ("none", 20), (70, "none"), ("none", "none")])
-@pytest.mark.parametrize("values", [{"alpha": 66}, {"alpha": -110, "eye": (0.4, -0.3), "index": 1.7, "base_angle": 40}])
-def test_designed_light_is_that_of_the_closed_form(angles, values):
-    scene = Chess(prisms=40, polariser=angles[0], analyser=angles[1], **values)
-    found = scene.trace(scene.rays(SIZE))
-    light = -found.direction[found.designed]  # runs to the eye; it is unpolarised before the polariser
-    J = polarisation.jones(light, [0, np.radians(scene.alpha) / 2], scene.prism)
+ANGLES = [(0, 0), (0, 90), (30, -45), ("none", 20), (70, "none"), ("none", "none")]
+
+
+def power(J, polariser, analyser):
+    """The part of unpolarised light that passes a polariser, the glass with this Jones matrix, and an analyser."""
     behind, before = (
-        np.eye(2) if angle == "none" else np.array([[np.cos(angle), np.sin(angle)]]) for angle in map(_radians, angles)
+        np.eye(2) if angle == "none" else np.array([[np.cos(np.radians(angle)), np.sin(np.radians(angle))]])
+        for angle in (polariser, analyser)
     )
-    expected = (abs(before @ J @ behind.T) ** 2).sum((-1, -2)) / 2
-    assert len(expected) > 500
-    assert passed(scene, SIZE)[found.designed] == pytest.approx(expected, abs=1e-9)
+    return (abs(before @ J @ behind.T) ** 2).sum((-1, -2)) / 2
 
 
-def _radians(angle):
-    return angle if angle == "none" else np.radians(angle)
+@pytest.mark.parametrize("angles", ANGLES)
+def test_light_along_z_is_that_of_the_closed_form(angles):
+    """docs/beyond.md: a sheet is diag(t_s^2 r_s, t_p^2 r_p) along and across its ridges."""
+    alpha, n = np.radians(66), 1.5
+    scene = Chess(prisms=300, z2=150, view=0.5, polariser=angles[0], analyser=angles[1])
+    cosine = np.sqrt(1 - 0.5 / n**2)
+    r = (np.sqrt(0.5) - n * cosine) / (np.sqrt(0.5) + n * cosine)
+    incidence = np.radians(45) + np.arcsin(np.sqrt(0.5) / n)  # at the base
+    ahead = 2 * np.arctan(np.cos(incidence) * np.sqrt(np.sin(incidence) ** 2 - 1 / n**2) / np.sin(incidence) ** 2)
+    sheet = np.diag([1 - r**2, (1 - r**4) * np.exp(-1j * ahead)])
+    turn = np.array([[np.cos(alpha / 2), -np.sin(alpha / 2)], [np.sin(alpha / 2), np.cos(alpha / 2)]])
+    designed = scene.trace(scene.rays(SIZE)).designed
+    assert designed.mean() > 0.5
+    assert passed(scene, SIZE)[designed] == pytest.approx(power(turn @ sheet @ turn.T @ sheet, *angles), abs=0.004)
+
+
+@pytest.mark.parametrize("angles", ANGLES)
+def test_light_that_runs_to_the_eye_has_the_same_power(angles):
+    """The rays of the picture are traced from the eye. Here the light is traced."""
+    scene = Chess(prisms=40, alpha=-110, eye=(0.4, -0.3), index=1.7, polariser=angles[0], analyser=angles[1])
+    found = scene.trace(scene.rays(SIZE))
+    some = (found.end == End.THROUGH) & (found.count < 12)
+    light = scene.trace(Bundle(found.position[some] + found.direction[some], -found.direction[some]), path=True)
+    same = abs(light.direction + scene.rays(SIZE).direction[some]).max(-1) < 1e-6  # few graze an edge
+    assert same.mean() > 0.99 and some.sum() > 1000
+    assert passed(scene, SIZE)[some][same] == pytest.approx(power(light.jones[same], *angles), abs=1e-6)
 
 
 def test_two_analysers_share_all_light_and_what_is_beside_the_window_stays():
