@@ -7,12 +7,13 @@ their designed light, for rays at small angles to the normal.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from povgen.optics.apparent import nearest_rays
+from povgen.optics.camera import Camera
 from povgen.optics.equations import Complexes
 from povgen.optics.faces import Booleans, Floats, Indices
 from povgen.optics.rays import Bundle, Opening, nearest, slope_of_light
@@ -23,28 +24,6 @@ STARTS = 2  # rays from which a path through a sequence of windows is searched f
 _ROW = 40  # rays to a window in a row of the net
 _ANGLES = np.tan(np.radians(np.linspace(-84, 84, 57)))  # slopes of the net's other rays
 _PRECISION = 1e-9  # a path misses the point by at most this fraction of the point's distance from the eye
-
-
-class View(Protocol):
-    """An eye, and the plane of its picture: `scene.camera.Camera`."""
-
-    @property
-    def eye(self) -> tuple[float, float, float]:
-        """Where the eye is."""
-
-    @property
-    def right(self) -> tuple[float, float, float]:
-        """The unit vector along the picture's x."""
-
-    @property
-    def up(self) -> tuple[float, float, float]:
-        """The unit vector along the picture's y. The third one, away from the eye, is right x up."""
-
-    def through(self, position: ArrayLike) -> Bundle:
-        """Return rays from the eye through positions in the picture's plane, x + iy."""
-
-    def position(self, point: ArrayLike) -> Complexes:
-        """Return where the eye sees points (..., 3) without windows, NaN if they are not before it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +106,7 @@ class DesignedLight:
 class Paths(DesignedLight):
     """The paths of light through windows, by their names, to an eye."""
 
-    def __init__(self, view: View, windows: Mapping[str, Opening]) -> None:
+    def __init__(self, view: Camera, windows: Mapping[str, Opening]) -> None:
         super().__init__(windows.values())
         self.view, self.names = view, [*windows]
         self.net = self._net()

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
 from povgen.inputs.hdr import encoded
+from povgen.optics.camera import Vector
 from povgen.optics.rays import Opening
 from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
 from povgen.scene import polarisers, pupil, white
-from povgen.scene.camera import Vector
 from povgen.scene.scene import Scene, checked_class
 from povgen.settings import PUPIL_RAYS, Rendering
 from povgen.sheets.lenticular import Lenticular

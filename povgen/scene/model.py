@@ -16,10 +16,10 @@ from pydantic import Field
 from povgen.inputs.fields import Point
 from povgen.objects.sheet_fields import ParametersOfSheets, SheetName
 from povgen.optics import apparent
+from povgen.optics.camera import Camera
 from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
 from povgen.optics.rays import Opening
-from povgen.scene.camera import Camera
 from povgen.scene.scene import Scene
 from povgen.scene.windows import WINDOW, FurtherWindow, Windows, as_windows, replaced_by
 from povgen.sheets import SHEETS

@@ -13,8 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from povgen.optics.camera import Camera
 from povgen.optics.equations import Complexes, Floats
-from povgen.scene.camera import Camera
 from povgen.scene.scene import Scene, checked_scene, object_images, paths
 from povgen.scene.scenes import AxialScene
 

@@ -15,9 +15,9 @@ from povgen.objects import OBJECTS
 from povgen.objects.placed import Coordinate, Placed
 from povgen.objects.scene_object import SceneObject
 from povgen.objects.window import Window
+from povgen.optics.camera import Camera
 from povgen.optics.rays import Opening
 from povgen.scene import checks, files, traced_rays
-from povgen.scene.camera import Camera
 from povgen.scene.scene import Scene
 from povgen.scene.white import WHITE
 from povgen.scene.windows import has_glass, several, stated_as

@@ -20,11 +20,11 @@ from povgen.inputs import pictures
 from povgen.inputs.fields import PictureFile, PictureSize
 from povgen.objects.scene_object import SceneObject
 from povgen.objects.window import RIM
+from povgen.optics.camera import Camera
 from povgen.optics.equations import real
 from povgen.optics.paths import Image, Paths
 from povgen.optics.rays import AT_ONCE, Bundle, Opening, Traced, trace_windows
 from povgen.record import Record, in_use, info
-from povgen.scene.camera import Camera
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import WAVELENGTH
 from povgen.sheets.sheet import Ideal, Sheet

@@ -11,10 +11,10 @@ import numpy as np
 
 from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
 from povgen.optics import trace
+from povgen.optics.camera import Vector
 from povgen.optics.faces import Floats, Indices
 from povgen.optics.paths import DesignedLight
 from povgen.optics.rays import Bundle, Opening, Traced, trace_windows
-from povgen.scene.camera import Vector
 from povgen.scene.scene import Scene
 
 

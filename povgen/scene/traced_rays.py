@@ -18,10 +18,10 @@ from povgen.inputs import pictures
 from povgen.inputs.hdr import Light
 from povgen.inputs.pictures import File
 from povgen.limits import MAX_FACES
+from povgen.optics.camera import Camera, Size
 from povgen.optics.equations import Floats
 from povgen.optics.faces import Indices
 from povgen.optics.rays import Opening, paths
-from povgen.scene.camera import Camera, Size
 from povgen.sheets.none import NoSheet
 from povgen.version import __version__
 

@@ -7,11 +7,11 @@ from test_rooms import pose_of, random_room, star
 from povgen import Chess
 from povgen.errors import InputError
 from povgen.objects.window import Window
+from povgen.optics.camera import Camera
 from povgen.optics.paths import Paths
 from povgen.optics.pose import Pose
 from povgen.optics.rays import trace_windows
 from povgen.optics.trace import End
-from povgen.scene.camera import Camera
 from povgen.scene.room import Eye, Room
 
 PRESETS = [
