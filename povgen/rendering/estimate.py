@@ -15,6 +15,7 @@ from povgen.settings import PUPIL_RAYS, Rendering
 SIZES = (64, 48), (160, 120), (480, 360)  # of the small pictures; the third one if the second costs too little
 ENOUGH = 0.05  # CPU seconds that pictures of two sizes have to differ by, for each scene
 OUTPUT = 1.5e-7  # CPU seconds for a pixel of a finished picture: decoding, drawing and encoding
+POLARISED = 1.6e-5  # CPU seconds for each ray whose Jones matrix is found
 WAIT = 0.65  # seconds that POV-Ray sleeps during each frame
 LONG = 60.0  # seconds of wall time
 # upper bounds of the CPU seconds of a ray, also with partial reflections
@@ -49,7 +50,8 @@ def estimate(scenes: Sequence[Scene], rendering: Rendering) -> Estimate:
     start, text, picture, ray = measured(some, rendering)
     gl, at_once = rendering.renderer == "gl", min(cores(), len(frames))
     single = picture * (at_once if gl else len(frames))  # each on one core
-    shared = text + OUTPUT * rendering.size[0] * rendering.size[1]
+    polarised = POLARISED if any(scene.polarised for scene in frames) else 0
+    shared = text + (OUTPUT + polarised) * rendering.size[0] * rendering.size[1]
     shared = shared * len(frames) + ray * rays(frames, rendering)
     return Estimate(start + single + shared, start + single / at_once + shared / cores() + (0.0 if gl else WAIT))
 
@@ -149,7 +151,8 @@ def if_long(scenes: Sequence[Scene], rendering: Rendering) -> str | None:
 
     Small pictures are rendered only if these may take so long. If they fail, the result is None.
     """
-    most = rays(_frames(scenes, rendering), rendering) * DEAREST[rendering.renderer]
+    dearest = DEAREST[rendering.renderer] + (POLARISED if any(scene.polarised for scene in scenes) else 0)
+    most = rays(_frames(scenes, rendering), rendering) * dearest
     with suppress(PovrayError):  # the pictures themselves say why they fail
         if most / cores() > LONG and (found := estimate(scenes, rendering)).wall > LONG:
             return describe(scenes, rendering, found)

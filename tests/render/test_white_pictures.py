@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import povgen
 
 from povgen import Chess, render
 
@@ -28,3 +29,9 @@ def test_lenses_show_colours_and_the_designed_path_of_dove_prisms_none():
         ]
         differs[sheet] = (abs(one - white).max(-1) > 3)[np.all(seen, axis=0)].mean()
     assert differs["detailed"] < 0.005 < 0.2 < differs["lenticular"]
+
+
+def test_a_command_says_what_a_text_leaves_out(tmp_path):
+    command = ["pov", "chess", "--glass", "BK7", "--wavelength", "white", "--analyser", "3", "-o", "a.pov"]
+    status, _, err = povgen(command, tmp_path)
+    assert status == 0 and "a .pov file shows one, 587.6 nm" in err and "polariser, analyser: no effect" in err
