@@ -196,8 +196,9 @@ class Print(Model):
     dpi: Annotated[float, Field(ge=50, le=1200)] | None = Field(
         default=None, description="dots an inch of a PNG file, and of pictures in other files, 50 to 1200"
     )
-    width: Annotated[float, Field(ge=20, le=300)] | None = Field(
-        default=None, description="the width on paper in millimetres, 20 to 300; text is scaled with the rest"
+    width: Annotated[float, Field(ge=40, le=300)] | None = Field(
+        default=None,
+        description="the width on paper in millimetres, 40 to 300; text is scaled with the rest",
     )
 
 

@@ -120,7 +120,7 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
     `given` are the standard deviations of the builds' errors, in the errors' units.
     """
     table: list[tuple[object, ...]] = []
-    with drawn(11.5, 5.2, path, printed=printed) as figure:
+    with drawn(11.5, 5.2, path, printed=printed, roomy=True) as figure:
         for ax, (field, unit) in zip(figure.subplots(1, 2), EFFECTS.items(), strict=True):
             found = getattr(builds, field)
             seen = found[np.isfinite(found)]

@@ -36,6 +36,7 @@ __all__ = [
 ]  # fmt: skip
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
 GREY = "#777777"
+LEGIBLE = 7  # points on paper, of most text
 COLOURS = [PRISMS, IDEAL, "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists every setting by name
     # DejaVu Sans, which is matplotlib's own, has the arrows and other signs that Noto Sans lacks
@@ -64,8 +65,16 @@ def style(**other: object) -> AbstractContextManager[None]:
 
 
 @contextmanager
-def drawn(width: float, height: float, *paths: Path, printed: Print = AS_DRAWN) -> Iterator[Figure]:
-    """Give a figure of this size, in inches, in povgen's style. At the end, write it to files as `printed` says."""
+def drawn(
+    width: float, height: float, *paths: Path, printed: Print = AS_DRAWN, roomy: bool = False
+) -> Iterator[Figure]:
+    """Give a figure of this size, in inches, in povgen's style. At the end, write it to files as `printed` says.
+
+    If its text would be too small on paper, a figure with room for larger text is made smaller: text fills more of it.
+    """
+    if printed.width and roomy:
+        smaller = min(1, printed.width / 25.4 / width * STYLE["font.size"] / LEGIBLE)
+        width, height = smaller * width, smaller * height
     with style():
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure

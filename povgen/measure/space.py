@@ -39,7 +39,7 @@ def draw(
     `traced` are rays whose paths were kept: `scene.trace(rays, path=True)`. Without them, they are rays from the eye
     through a grid of points of the picture. Rays on the designed path are red, others grey. A ray that leaves is
     extended by 0.3 of the scene's size. The drawing is seen from this azimuth and elevation, degrees: -90 and 0 are a
-    side view, with z to the right. `dpi`, dots an inch from 50 to 1200, and `width`, millimetres from 20 to 300, are
+    side view, with z to the right. `dpi`, dots an inch from 50 to 1200, and `width`, millimetres from 40 to 300, are
     those of the file. Raises InputError for a file that cannot be written, for rays without paths, and
     without matplotlib.
     """
@@ -55,7 +55,7 @@ def draw(
     boxes = [each.edges for each in solid if np.linalg.norm(each.pose.place - eye) < far]
     everything = np.concatenate([eye[None], *edges, *boxes])
     length = 0.3 * float(np.linalg.norm(np.ptp(everything, axis=0)))
-    with saved_with(record_of([scene])), drawn(*SIZE, target, printed=printed) as figure:
+    with saved_with(record_of([scene])), drawn(*SIZE, target, printed=printed, roomy=True) as figure:
         axes = figure.add_subplot(projection="3d")
 
         def line(points: NDArray[np.float64], colour: str, width: float = 1) -> None:
@@ -75,7 +75,10 @@ def draw(
         axes.set_xlabel("z, tiles", labelpad=12)
         axes.set(ylabel="−x, tiles", zlabel="y, tiles")
         axes.set_aspect("equal")
-        axes.set_box_aspect(np.ptp([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()], axis=1), zoom=ZOOM)
+        axes.set_box_aspect(
+            np.ptp([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()], axis=1),
+            zoom=ZOOM * (figure.get_figwidth() / SIZE[0]) ** 0.5,
+        )
         axes.locator_params(axis="y", nbins=4)
         axes.view_init(elevation, azimuth)
         if abs(np.cos(np.radians(azimuth))) + abs(np.sin(np.radians(elevation))) < 0.1:  # the axis is seen from its end

@@ -2,6 +2,7 @@
 
 import ast
 import json
+import re
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -9,6 +10,7 @@ import pytest
 import trimesh
 from conftest import PROJECT, povgen
 from PIL import Image
+from pytest import approx
 
 from povgen import Chess, InputError, draw, info, live, part
 from povgen.citation import CITE, HOME
@@ -93,7 +95,7 @@ def test_files_stay_what_they_are(tmp_path):
     assert ElementTree.parse(tmp_path / "a.svg").getroot().tag.endswith("svg")
     with Image.open(tmp_path / "a.png") as image:
         image.load()
-        assert image.info["dpi"] == pytest.approx((110, 110), abs=0.01)
+        assert image.info["dpi"] == approx((110, 110), abs=0.01)
     save(b"<html>--</html>", tmp_path / "a--b.html")
     assert (tmp_path / "a--b.html").read_text().count("--") == 3  # its own, and the comment's
     save(b'{"a": 1}', tmp_path / "a.json")
@@ -101,7 +103,14 @@ def test_files_stay_what_they_are(tmp_path):
     for kind in ("stl", "obj", "glb"):
         part(Chess(prisms=20, gap=0.1), tmp_path / f"a.{kind}")
     sizes = [trimesh.load(tmp_path / f"a.{kind}", force="mesh").volume for kind in ("stl", "obj", "glb")]
-    assert sizes == pytest.approx([sizes[0], sizes[0], sizes[0] / 1e9], rel=1e-4)
+    assert sizes == approx([sizes[0], sizes[0], sizes[0] / 1e9], rel=1e-4)
+
+
+def test_text_of_a_narrow_drawing_is_legible(tmp_path):
+    """It has 7 points, where the usual drawing of 229 mm has 11."""
+    for width, shown in ((84, 84 / 25.4 * 11 / 7), (200, 9)):
+        text = draw(Chess(prisms=20), tmp_path / "a.svg", width=width).read_text()
+        assert f'width="{width}mm"' in text and float(re.search(r'viewBox="0 0 (\S+) ', text)[1]) == approx(72 * shown)
 
 
 def test_the_call_in_python(tmp_path):
