@@ -10,7 +10,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from itertools import product
+from math import ceil
 from pathlib import Path
+from typing import TYPE_CHECKING
 from unittest.mock import patch
 
 import numpy as np
@@ -18,6 +20,7 @@ import numpy as np
 from povgen import Chess, movie, to_pov
 from povgen.files import temporary_folder
 from povgen.measure import charts, speed
+from povgen.measure.browser import View, chromium
 from povgen.measure.measured import SMALL, px, rms
 from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn, plain_ticks, save_table, table_rows
 from povgen.measure.targets import located, other_targets, series_targets, targets
@@ -28,8 +31,13 @@ from povgen.rendering.light import linear
 from povgen.scene import camera
 from povgen.sheets import OTHER
 
+if TYPE_CHECKING:
+    from povgen.measure.browser import Browser
+
 HERE = Path(__file__).parent
 MAIN_SIZE = (320, 240)
+LIVE_RAYS = (1, 4, 16, 64)  # a pixel
+SCENES = {"detailed": Chess(), "ideal": Chess(sheet="ideal")}
 BASELINE_SAMPLINGS = ("off", "1,0.9,2", "1,0.3,3")  # the last is POV-Ray's own antialiasing, +A0.3
 FLICKER_SAMPLINGS = ("off", "1,0.9,2", "1.5x", "1,0.1,2", "2x")
 FLICKER_ANGLES, FLICKER_STEP = (66.0, 120.0), 0.25  # alpha of two frames, and the difference to the next frame, degrees
@@ -52,13 +60,44 @@ def baselines() -> dict[str, str]:
 
 
 def frames() -> list[speed.Point]:
-    """Measure every renderer, and prisms by hand, with every sampling."""
+    """Measure every renderer, the live view, and prisms by hand, with every sampling."""
     texts = {name: to_pov(Chess(), sheet_macro=macro) for name, macro in baselines().items()}
     others = [
         speed.Point(name, sampling, MAIN_SIZE, partial(speed.sample, text, sampling, MAIN_SIZE))
         for (name, text), sampling in product(texts.items(), BASELINE_SAMPLINGS)
     ]
-    return speed.measure_samplings({"detailed": Chess(), "ideal": Chess(sheet="ideal")}, say, others)
+    with chromium() as browser:
+        return speed.measure_samplings(SCENES, say, [*live_points(browser), *others])
+
+
+def live_points(browser: "Browser") -> Iterator[speed.Point]:
+    """Yield the points of the live view."""
+    for method, scene in SCENES.items():
+        view = View(browser, scene)
+        view.picture(speed.SIZES[0], 1)  # the first picture compiles the shaders
+        for size, rays in product(speed.SIZES, LIVE_RAYS):
+            make = partial(live_sample, browser, view, size, rays)
+            yield speed.Point(f"live {method}", f"{rays} ray{'s' * (rays > 1)}", size, make)
+
+
+def live_sample(browser: "Browser", view: View, size: tuple[int, int], rays: int) -> tuple[float, np.ndarray]:
+    """Return the CPU seconds that the browser's processes use for a picture, and the picture.
+
+    A small picture is drawn several times, and the mean counts: the clock's step is 0.01 s.
+    """
+    repeats = ceil(500_000 / (size[0] * size[1] * rays))
+    before = browser_seconds(browser)
+    for _ in range(repeats):
+        view.page.evaluate("(numbers) => { povgen.readout.light(povgen.main.view, ...numbers); }", [*size, rays, 1])
+    return (browser_seconds(browser) - before) / repeats, view.picture(size, rays)
+
+
+def browser_seconds(browser: "Browser") -> float:
+    """Return the CPU seconds that the browser's processes have used so far."""
+    session = browser.new_browser_cdp_session()
+    processes = session.send("SystemInfo.getProcessInfo")["processInfo"]
+    session.detach()
+    return float(sum(process["cpuTime"] for process in processes))
 
 
 def flicker() -> Iterator[Row]:

@@ -67,7 +67,6 @@ class View:
 
     def __init__(self, browser: "Browser", scene: AxialScene, others: Iterable[AxialScene] = ()) -> None:
         """Open the page, which can also show the sheets of the others. Raises InputError if the browser cannot draw."""
-        self.browser = browser
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
         with temporary_folder() as folder:
             file = folder / "view.html"
@@ -94,29 +93,9 @@ class View:
         `rays` rays are followed for each pixel. They are spread over the middle `part` of the pixel's width and height:
         with 0, all pass the pixel's centre. A transparent background is black.
         """
-        return self.measured(size, rays, part)[1]
-
-    def measured(self, size: Size, rays: int, part: float = 1, repeats: int = 1) -> tuple[float, NDArray[np.uint8]]:
-        """Return the CPU seconds that the browser's processes use for a picture, and the picture.
-
-        The picture is drawn `repeats` times, and the mean counts. So the resolution is 0.01 s divided by `repeats`.
-        """
-        before = self.cpu_seconds()
-        for _ in range(repeats):
-            self.page.evaluate(
-                "(numbers) => { window.sums = povgen.readout.light(povgen.main.view, ...numbers); }",
-                [*size, rays, part],
-            )
-        seconds = (self.cpu_seconds() - before) / repeats
-        light = _pixels(self.page.evaluate(f"({ENCODE})(sums)"), size)[..., :3] / np.float32(rays)
-        return seconds, np.rint(encoded(light)).astype(np.uint8)
-
-    def cpu_seconds(self) -> float:
-        """Return the CPU seconds that the browser's processes have used so far."""
-        session = self.browser.new_browser_cdp_session()
-        processes = session.send("SystemInfo.getProcessInfo")["processInfo"]
-        session.detach()
-        return float(sum(process["cpuTime"] for process in processes))
+        script = f"(numbers) => ({ENCODE})(povgen.readout.light(povgen.main.view, ...numbers))"
+        light = _pixels(self.page.evaluate(script, [*size, rays, part]), size)[..., :3] / np.float32(rays)
+        return np.rint(encoded(light)).astype(np.uint8)
 
 
 def _pixels(text: str, size: Size) -> Floats:

@@ -5,18 +5,15 @@ The cost is CPU seconds. The error is the difference, inside the window, from a 
 
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
-from math import ceil
 from statistics import median
 
 import numpy as np
 
 from povgen.errors import InputError
 from povgen.files import temporary_folder
-from povgen.measure.browser import View, chromium
 from povgen.measure.measured import rms
 from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Size
@@ -37,7 +34,6 @@ SAMPLINGS = (
 )
 # the renderer gl draws the same number of rays in every pixel: METHOD and THRESHOLD of POV-Ray do not matter
 GL_SAMPLINGS = ("off", "2x", "3x", "4x", "1,0.1,2", "1,0.1,3", "1,0.1,4", "1,0.1,8")
-LIVE_RAYS = (1, 4, 16, 64)  # a pixel
 ROUNDS = 5
 
 
@@ -45,7 +41,7 @@ ROUNDS = 5
 class Point:
     """A way to make a picture, its CPU seconds, and the picture's error."""
 
-    method: str  # the model of the sheets, alone (by POV-Ray) or after 'gl ' or 'live '; or another program's name
+    method: str  # the model of the sheets, alone (by POV-Ray) or after 'gl '; or what else made the picture
     sampling: str
     size: Size
     make: Callable[[], tuple[float, Picture]] = field(repr=False)  # makes the picture: returns CPU seconds and picture
@@ -107,27 +103,25 @@ def measure_samplings(
     """Measure the scenes, by their methods' names, with every renderer and sampling, and then the points `others`.
 
     The others' method has a converged picture if it is one of the scenes'; else that of the first scene counts.
-    Calls `done` with the name of each finished step. If OpenGL or Chromium is missing, `done` is told so, and
-    what needs it is not measured.
+    Calls `done` with the name of each finished step. If OpenGL is missing, `done` is told so, and the renderer gl is
+    not measured.
     """
     texts = {method: to_pov(scene) for method, scene in scenes.items()}
     points = [
         Point(method, sampling, size, partial(sample, text, sampling, size))
         for (method, text), size, sampling in product(texts.items(), SIZES, SAMPLINGS)
     ] + [*others]
-    with ExitStack() as opened:
-        for name, further in (("the renderer gl", _gl_points), ("the live view", _live_points)):
-            try:
-                points += further(scenes, opened)
-            except InputError as error:
-                done(f"without {name}: {error}")
-        for number in range(ROUNDS):
-            for point in points:
-                # only one round for the largest size: its frames take long, and their times vary little
-                if number == 0 or point.size != SIZES[-1]:
-                    seconds, point.picture = point.make()
-                    point.seconds.append(seconds)
-            done(f"frames, round {number + 1} of {ROUNDS}")
+    try:
+        points += _gl_points(scenes)
+    except InputError as error:
+        done(f"without the renderer gl: {error}")
+    for number in range(ROUNDS):
+        for point in points:
+            # only one round for the largest size: its frames take long, and their times vary little
+            if number == 0 or point.size != SIZES[-1]:
+                seconds, point.picture = point.make()
+                point.seconds.append(seconds)
+        done(f"frames, round {number + 1} of {ROUNDS}")
     for size, (method, text) in product(SIZES, texts.items()):
         converged = sample(text, CONVERGED, size)[1]
         for point in points:
@@ -138,21 +132,9 @@ def measure_samplings(
     return points
 
 
-def _gl_points(scenes: Mapping[str, AxialScene], _: ExitStack) -> Iterator[Point]:
+def _gl_points(scenes: Mapping[str, AxialScene]) -> Iterator[Point]:
     """Return the points of the renderer gl. Raises InputError without OpenGL."""
     views = {method: OpenGLView(scene) for method, scene in scenes.items()}
     for (method, view), size, sampling in product(views.items(), SIZES, GL_SAMPLINGS):
         view.picture(SIZES[0], 1)  # the first picture compiles the shaders
         yield Point(f"gl {method}", sampling, size, partial(drawn_sample, view, sampling, size))
-
-
-def _live_points(scenes: Mapping[str, AxialScene], opened: ExitStack) -> Iterator[Point]:
-    """Return the live view's points, to be measured before `opened` is closed. Raises InputError without a Chromium."""
-    browser = opened.enter_context(chromium())
-    for method, scene in scenes.items():
-        view = View(browser, scene)
-        view.picture(SIZES[0], 1)  # the first picture compiles the shaders
-        for size, rays in product(SIZES, LIVE_RAYS):
-            repeats = ceil(500_000 / (size[0] * size[1] * rays))  # a small picture takes less than the clock's step
-            make = partial(view.measured, size, rays, repeats=repeats)
-            yield Point(f"live {method}", f"{rays} ray{'s' * (rays > 1)}", size, make)
