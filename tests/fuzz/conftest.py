@@ -192,7 +192,7 @@ def place(tmp_path_factory):
         patch.setattr(speed, "measure_samplings", lambda *_: [])
         patch.setattr(charts, "save_frames", lambda *_: None)
         patch.setattr(part, "_solid", lambda *_: part.Manifold.cube())
-        patch.setattr(figures, "save_figure", lambda number, folder, rendering: [folder / "figure.png"])
+        patch.setattr(figures, "save_figure", lambda number, folder, *_: [folder / "figure.png"])
         patch.setattr(check, "faults", lambda report: [])
         assert build.encode is encode and page.build is build
         yield
