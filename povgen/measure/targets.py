@@ -8,7 +8,7 @@ import numpy as np
 
 from povgen.measure import probes
 from povgen.measure.probes import ApparentObject, Complexes, Floats, Positions, Size
-from povgen.optics import apparent, equations, series
+from povgen.optics import apparent, equations
 from povgen.scene import camera
 from povgen.scene.windows import FurtherWindow
 from povgen.sheets import OTHER
@@ -63,7 +63,8 @@ def series_targets(sheet: str, windows: int, count: int, seed: int, E: complex, 
         z1, z2, P = random.uniform(1, 6), random.uniform(4, 8), complex(*random.uniform(-0.5, 0.5, 2))
         scene = Positions(sheet=sheet, alpha=angles[0], window=window, z1=z1, z2=z2, eye=E, **values)
         L = equations.object_position(P, E, z1, z2, radians(scene.alpha), scene.behind)
-        crossed = series.crossings(P, E, z2, radians(scene.alpha), scene.behind)
+        thin = [(distance, sheet.thin) for (distance, _), sheet in zip(scene.elements, scene.sheets, strict=True)]
+        crossed = np.array([place for place, *_ in apparent.follow((P - E) / z2, E, thin)])
         M = z2 / abs(equations.depth(z1, z2, radians(scene.alpha), scene.behind))
         if M < 4 and np.maximum(abs(crossed.real), abs(crossed.imag)).max() < 0.7:
             scenes.append(scene.replace(L=L, extent=0.25 / M))

@@ -12,7 +12,7 @@ does not depend on the eye. All points of a plane have the same W, so the image 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics.equations import ROUNDING, Complexes, Floats, Windows, depth, doubles
+from povgen.optics.equations import ROUNDING, Complexes, Floats, Windows, depth
 
 
 def image_depth(z1: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
@@ -42,16 +42,3 @@ def imaged_plane(alpha: ArrayLike, behind: Windows = ()) -> tuple[Floats, Floats
     flat = np.abs(np.sin(phi)) <= ROUNDING * (1 + np.abs(phi))
     z1 = np.where(flat, np.nan, c.imag / np.where(flat, 1, np.sin(phi)))[()]
     return z1, c.real + z1 * np.cos(phi)
-
-
-def crossings(P: ArrayLike, E: ArrayLike, z2: ArrayLike, alpha: ArrayLike, behind: Windows = ()) -> Complexes:
-    """Return where the ray that reaches E from P crosses each window, (n, ...), the first window first.
-
-    They follow from P in turn: P_(k+1) = P_k + d_k s exp(-i (alpha_1 + ... + alpha_k)), with the slope s = (P - E)/z2.
-    All are linear in P, so that a straight line stays one.
-    """
-    behind = tuple(behind)
-    P, E = doubles(P, E)
-    s = (P - E) / z2
-    later = [np.add(E, s * depth(d, z2, alpha, behind[:k])) for k, (d, _) in enumerate(behind)]
-    return np.stack(np.broadcast_arrays(P, *later))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from povgen.optics import equations, series
+from povgen.optics import equations
 
 mpmath.mp.dps = 50
 ANGLE = st.floats(-2 * np.pi, 2 * np.pi)
@@ -142,7 +142,6 @@ def test_complex_numbers_are_refused_nan_is_kept(function, given, name):
 def test_places_of_any_type_of_number_are_exact():
     P, E = np.uint8([2]), np.uint8([3])
     assert equations.apparent_position(P, E, 1, 1, 0) == 2.5
-    assert series.crossings(P, 3, 1, 0, [(1, 0)]).tolist() == [[2], [1]]
     with pytest.raises(TypeError):
         equations.apparent_position("1", 0, 1, 1, 0.5)
 

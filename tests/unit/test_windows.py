@@ -139,10 +139,13 @@ def test_captions_and_curves_are_of_all_windows():
 def rays_to(scene, number, count, rng):
     """Rays from the eye to a window (0: the first)."""
     half = scene.aperture / 2
-    alpha = np.radians(scene.alpha)
-    scale = series.crossings(scene.E + 1, scene.E, scene.z2, alpha, scene.behind)[number] - scene.E
+    thin = [(distance, sheet.thin) for (distance, _), sheet in zip(scene.elements, scene.sheets, strict=True)]
+
+    def crossed(slope):
+        return np.array([place for place, *_ in apparent.follow(slope, scene.E, thin)])
+
     there = rng.uniform(-half, half, count) + 1j * rng.uniform(-half, half, count)
-    P = series.crossings(scene.E + (there - scene.E) / scale, scene.E, scene.z2, alpha, scene.behind)
+    P = crossed((there - scene.E) / (crossed(1)[number] - scene.E))
     P = P[:, (np.maximum(abs(P[: number + 1].real), abs(P[: number + 1].imag)) < half).all(0)]
     return scene.camera.through(P[0])
 
