@@ -123,14 +123,14 @@ def test_a_photo_is_turned_as_its_exif_data_say(tmp_path):
 
 
 def test_the_source_names_a_new_file_beside_it(tmp_path):
-    """povgen writes this file. Nothing of the user's file but its colours gets there."""
+    """povgen writes this file. Nothing of the user's file but its colours gets there, and its path in the record."""
     path = picture(tmp_path)
     secret = Image.open(path)
     secret.save(path, comment="secret", exif=b"Exif\0\0secret")
     assert (
         povgen(["pov", "chess", "--sheet", "none", "--sky", path, "--size", "64x48", "-o", "a.pov"], tmp_path)[0] == 0
     )
-    source = (tmp_path / "a.pov").read_text()
+    source, _, _ = (tmp_path / "a.pov").read_text().partition("// povgen record")
     (name,) = re.findall(r'png "(.*)" gamma', source)
     assert pictures.NAME.fullmatch(name) and path not in source
     assert b"secret" not in (tmp_path / name).read_bytes()
