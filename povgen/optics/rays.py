@@ -400,7 +400,7 @@ def _way(
     found.end[:], found.designed[:] = End.BESIDE, True
     way = _Way(found, [window.deep for window in windows], sheets, most, partial, path, bent)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for first in range(0, n, at_once := n if layers else PART):
+        for first in range(0, n, at_once := max(n, 1) if layers else PART):
             way.run(np.arange(first, min(first + at_once, n)))
     found.designed &= found.end == End.THROUGH
     return way
