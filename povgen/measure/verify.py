@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from povgen.measure import compare
+from povgen.measure import compare, verify_paths
 from povgen.measure.measured import HD, SMALL, Measured
 from povgen.measure.probes import Directions, Light, PiecePositions, Positions, Size, White
 from povgen.measure.targets import SERIES, other_targets, series_targets, targets
@@ -78,6 +78,8 @@ def checks(sheet: str | None = None) -> Iterator[Measured]:
     """Measure everything, or only what concerns one model of the sheets: 'ideal' or 'detailed'."""
     for check in table(sheet):
         yield from check.measured()
+    if sheet is None:
+        yield from verify_paths.checks()
 
 
 def table(sheet: str | None = None) -> Iterator[Check]:

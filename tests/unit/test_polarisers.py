@@ -23,22 +23,6 @@ def power(J, polariser, analyser):
 
 
 @pytest.mark.parametrize("angles", ANGLES)
-def test_light_along_z_is_that_of_the_closed_form(angles):
-    """docs/beyond.md: a sheet is diag(t_s^2 r_s, t_p^2 r_p) along and across its ridges."""
-    alpha, n = np.radians(66), 1.5
-    scene = Chess(prisms=300, z2=150, view=0.5, polariser=angles[0], analyser=angles[1])
-    cosine = np.sqrt(1 - 0.5 / n**2)
-    r = (np.sqrt(0.5) - n * cosine) / (np.sqrt(0.5) + n * cosine)
-    incidence = np.radians(45) + np.arcsin(np.sqrt(0.5) / n)  # at the base
-    ahead = 2 * np.arctan(np.cos(incidence) * np.sqrt(np.sin(incidence) ** 2 - 1 / n**2) / np.sin(incidence) ** 2)
-    sheet = np.diag([1 - r**2, (1 - r**4) * np.exp(-1j * ahead)])
-    turn = np.array([[np.cos(alpha / 2), -np.sin(alpha / 2)], [np.sin(alpha / 2), np.cos(alpha / 2)]])
-    designed = scene.trace(scene.rays(SIZE)).designed
-    assert designed.mean() > 0.5
-    assert passed(scene, SIZE)[designed] == pytest.approx(power(turn @ sheet @ turn.T @ sheet, *angles), abs=0.004)
-
-
-@pytest.mark.parametrize("angles", ANGLES)
 def test_light_that_runs_to_the_eye_has_the_same_power(angles):
     """The rays of the picture are traced from the eye. Here the light is traced."""
     scene = Chess(prisms=40, alpha=-110, eye=(0.4, -0.3), index=1.7, polariser=angles[0], analyser=angles[1])

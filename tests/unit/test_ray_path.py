@@ -78,9 +78,9 @@ def test_a_drawing_in_space_has_the_windows_the_objects_and_the_rays(tmp_path):
         draw(PRISMS, tmp_path / "b.svg", PRISMS.trace(PRISMS.rays((3, 2))))
 
 
-def behind_prisms(theta, prisms=8, gap=0.05, count=6000):
+def behind_prisms(theta, count=6000):
     """Return a plane wave's phase behind prisms, tiles, of exp(ik(phase + direction . place)), rays and a prism."""
-    scene = Chess(sheet="single", prisms=prisms, gap=gap)
+    scene = Chess(sheet="single", prisms=8, gap=0.05)
     d = np.array([0, np.sin(theta), np.cos(theta)])
     start = np.stack((np.zeros(count), np.linspace(-1.4999, 1.4999, count), np.full(count, -4.0)), -1)
     found = scene.trace(Bundle(start, d), path=True)
@@ -97,13 +97,3 @@ def test_the_wave_front_is_whole_within_a_prism_and_jumps_between_prisms(theta):
     assert len(parts) > 4 and max(map(np.ptp, parts)) < 1e-12
     jumps = np.diff([part.mean() for part in parts])
     assert jumps == pytest.approx(np.full(len(jumps), 2 * prism.pitch * np.sin(theta)), abs=1e-12)
-
-
-def test_traced_phases_make_the_diffraction_pattern_of_a_grating():
-    """N prisms of height h and pitch p: a slit's pattern times that of N lines (Born and Wolf, section 8.6.1)."""
-    phase, found, prism = behind_prisms(0, prisms=6, gap=0.2, count=60_000)
-    wavelength, sine = prism.pitch / 40, np.linspace(-0.05, 0.05, 200)
-    field = np.exp(2j * np.pi / wavelength * (phase[:, None] - found.position[:, 1:2] * sine)).mean(0)
-    step = np.pi * prism.pitch * sine / wavelength
-    formula = np.sinc(prism.height * sine / wavelength) * np.sin(6 * step) / (6 * np.sin(step))
-    assert abs(field) ** 2 == pytest.approx(formula**2, abs=0.002)
