@@ -1,7 +1,8 @@
 """The light of a source that comes through a scene's windows to a screen: its power per area, by traced rays."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -14,6 +15,7 @@ from povgen.optics.equations import Complexes, Floats, real
 from povgen.optics.faces import Booleans, Indices
 from povgen.optics.rays import LARGEST, MOST, Bundle, Opening, Traced, checked_count
 from povgen.optics.trace import CHUNK, End
+from povgen.optics.values import Values
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import linear
 from povgen.scene.scene import Scene, checked_scene
@@ -21,7 +23,8 @@ from povgen.scene.scene import Scene, checked_scene
 Source = ArrayLike | Card
 
 
-class Irradiance(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Irradiance(Values):
     """The power per area on a screen, in units of the source's intensity per square tile.
 
     The intensity is the power per solid angle, straight ahead of the source. Arrays are (height, width), of a card
@@ -34,6 +37,11 @@ class Irradiance(NamedTuple):
     extent: tuple[float, float, float, float]  # left, right, bottom and top of the screen, tiles
     entering: Floats  # the power that meets the windows, a number, or three of a card
     leaving: Floats  # the part of it that leaves them towards the screen's plane, also beside the screen
+
+    def __repr__(self) -> str:
+        height, width = self.error.shape[:2]
+        passes = 100 * self.leaving.sum() / self.entering.sum()
+        return f"Irradiance of {width}x{height} pixels by {passes:.3g} % of the light that enters"
 
     @property
     def total(self) -> Floats:
@@ -68,12 +76,16 @@ def irradiance(
     scene, rng = checked_scene(scene), np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count, (width, height) = checked_count("count", count, MOST), PictureSize(size=size).size
     z, diameter, left, right, bottom, top = _checked("z, diameter, extent", (z, diameter, *extent), 6)
-    if not (left < right and bottom < top and diameter >= 0):
-        raise ValueError(
-            f"extent = {shown(extent)}, diameter = {diameter:g}: allowed: left < right, bottom < top, >= 0"
-        )
+    if not (left < right and bottom < top):
+        raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
+    if diameter < 0:
+        raise ValueError(f"diameter = {diameter:g}: allowed: 0 or more")
     if not scene.openings:
         raise ValueError("scene: no windows; allowed: a scene with a window")
+    for opening in scene.openings:
+        depth = opening.deep.frame / 2 * abs(opening.pose.axes[2][2])
+        if abs(z - opening.pose.z) < depth:
+            raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")
     colours = 3 if isinstance(source, Card) else 1
     sums, squares = np.zeros((2, 2 * height * width, colours))  # of rays' powers: first of designed light
     power = np.zeros((2, colours))  # that enters, that leaves
@@ -90,6 +102,11 @@ def irradiance(
         for colour, part in enumerate(light[hit].T):
             sums[:, colour] += np.bincount(pixel, part, len(sums))
             squares[:, colour] += np.bincount(pixel, part**2, len(sums))
+    if not power[0].any():
+        raise ValueError(
+            f"source = {shown(source)}: none of its light enters a window; allowed: a point outside the windows' "
+            "frames, a card that faces a window"
+        )
     every = slice(None) if colours == 3 else 0
     parts, squares = (each.reshape(2, height, width, -1)[..., every] for each in (sums, squares))
     error = np.sqrt(np.maximum(squares.sum(0) - parts.sum(0) ** 2 / count, 0))

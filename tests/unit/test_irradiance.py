@@ -70,8 +70,8 @@ def test_a_disc_and_a_card_shine_as_the_cosine_and_a_card_in_its_colours(tmp_pat
         red, green = (np.argwhere(found.total[..., k] > found.total.max() / 2).mean(0) - 11.5 for k in (0, 1))
         assert (np.sign([red, green]) == ([[1, 1], [1, -1]] if sheet == "none" else [[-1, -1], [-1, 1]])).all()
         assert not found.total[..., 2].any()
-    back = irradiance(hole, card.replace(yaw=180), -2, **far)
-    assert not back.total.any()
+    with pytest.raises(InputError, match="none of its light enters a window"):
+        irradiance(hole, card.replace(yaw=180), -2, **far)
 
 
 def test_windows_side_by_side_and_one_behind_another_count_once():
@@ -93,7 +93,9 @@ def test_windows_side_by_side_and_one_behind_another_count_once():
         ({"source": (0, 0)}, r"source = \(0, 0\): allowed: 3 numbers"),
         ({"source": (0, 0, 0)}, "inside the sheets"),
         ({"extent": (1, -1, 0, 1)}, "left < right"),
-        ({"diameter": -1}, "left < right, bottom < top, >= 0"),
+        ({"diameter": -1}, "diameter = -1: allowed: 0 or more"),
+        ({"z": 0.1}, "z = 0.1: within a window's frame; allowed: 0.15 tiles or more"),
+        ({"scene": Chess(sheet="ideal"), "source": (0, 0, 0.1)}, "none of its light enters a window"),
         ({"count": 0}, "count = 0"),
         ({"size": (0, 9)}, "size"),
         ({"z": np.nan}, "z, diameter, extent"),
@@ -105,3 +107,8 @@ def test_wrong_values_are_refused(values, words):
     given = {"scene": Chess(), "source": (0, 0, 2), "z": -1, "count": 10} | values
     with pytest.raises(InputError, match=words):
         irradiance(given.pop("scene"), given.pop("source"), given.pop("z"), **given)
+
+
+def test_equal_maps_are_equal():
+    one, same, other = (irradiance(Chess(sheet="ideal"), (0, 0, 2), -1, **FEW, seed=seed) for seed in (1, 1, 2))
+    assert one == same and one != other and repr(one).startswith("Irradiance of ")
