@@ -9,7 +9,7 @@ from conftest import some
 from povgen import Rendering, to_pov
 from povgen.measure import probes
 from povgen.measure.probes import Directions
-from povgen.optics import series
+from povgen.optics import apparent
 from povgen.rendering import povray
 
 FRAME = "// ---- The window frame (frame.pov.j2) ----"
@@ -57,8 +57,8 @@ def seen_through(scene, P):
     A ray passes a window inside the back of the frame before, the front of this frame, and the plane of the sheet.
     """
     half, depth = scene.aperture / 2, scene.depth / 2
-    planes = series.crossings(P, scene.E, scene.z2, np.radians(scene.alpha), scene.behind)
     slope = (P - scene.E) / scene.z2
+    planes = [before for before, *_ in apparent.follow(slope, scene.E, scene.elements)]
     seen, passes, doubtful = slope, np.ones(P.shape, bool), np.zeros(P.shape, bool)
     back = planes[0]
     for plane, alpha in zip(planes, scene.alphas, strict=True):
