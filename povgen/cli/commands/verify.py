@@ -1,11 +1,9 @@
 """The command povgen verify."""
 
 import sys
-from base64 import b64encode
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import asdict
-from io import StringIO
 from json import dumps
 from math import isfinite
 from pathlib import Path
@@ -28,7 +26,6 @@ from povgen.version import __version__
 @click.command("verify", cls=Command)
 @click.option("--sheet", metavar="ideal|detailed", help="one model of the sheets (default both)")
 @click.option("--json", "json_file", type=Path, metavar="FILE", help="also write the values to a .json file")
-@click.option("--html", type=Path, metavar="FILE", help="also write a page with the table and the maps (.html)")
 @click.option("--stability", is_flag=True, help="measure where methods fail, draw it as maps, and check the limits")
 @click.option("--gl", is_flag=True, help="measure the renderer gl and the live view's shaders instead (needs moderngl)")
 @click.option(
@@ -38,7 +35,6 @@ from povgen.version import __version__
 def command(
     sheet: str | None,
     json_file: Path | None,
-    html: Path | None,
     stability: bool,
     gl: bool,
     live: bool,
@@ -47,7 +43,6 @@ def command(
     """Compare what is rendered with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
     _check_options(sheet, stability, gl, live, output)
     json_file = json_file and checked_output(json_file, [".json"], "json")
-    html = html and checked_output(html, [".html"], "html")
     versions = _versions(gl, live)
     table = Table("sheet", "measured", "value", "bound", "", title=", ".join(map(" ".join, versions.items())))
     found: list[Measured] = []
@@ -72,8 +67,6 @@ def command(
         else:
             for measured in _checks(sheet, gl, live):
                 add(measured)
-        if html:
-            save(_page(table, sorted(folder.glob("*.png")) if folder else []).encode(), html)
     if json_file:
         rows = [{**asdict(m), "value": m.value if isfinite(m.value) else None, "holds": m.holds} for m in found]
         save((dumps({"versions": versions, "figures": rows}, indent=2, default=float) + "\n").encode(), json_file)
@@ -85,18 +78,6 @@ def _versions(gl: bool, live: bool) -> dict[str, str]:
     """Return the versions of what is measured."""
     versions = {"povgen": __version__} | ({} if live else {"POV-Ray": povray.version()})
     return versions | ({"OpenGL by": gl_runner.device()} if gl or live else {})
-
-
-def _page(table: Table, pictures: Iterable[Path]) -> str:
-    """Return a page of HTML with the table and the pictures, in a single file, which needs no network."""
-    console = Console(record=True, width=160, file=StringIO())
-    console.print(table)
-    images = (f'<img alt="{file.stem}" src="data:image/png;base64,{_base64(file)}">\n' for file in pictures)
-    return console.export_html().replace("</body>", f"{''.join(images)}</body>")
-
-
-def _base64(file: Path) -> str:
-    return b64encode(file.read_bytes()).decode()
 
 
 def _maps_folder(output: Path) -> AbstractContextManager[Path]:
