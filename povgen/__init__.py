@@ -20,7 +20,7 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_MODULES})
+    return sorted({*_MODULES, *(name for name in globals() if name.startswith("__"))})
 
 
 def _shown_in_notebooks() -> None:

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from povgen import files, remedies
-from povgen.errors import InputError
+from povgen.errors import InputError, shown
 from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
@@ -47,6 +47,9 @@ class Live:
     def __init__(self, scene: Scene, size: _Size) -> None:
         self.__dict__.update(scene=scene, size=size)
 
+    def __repr__(self) -> str:
+        return f"live({shown(self.scene, 80)})"
+
     @property
     def html(self) -> str:
         """The page that shows the scene."""
@@ -71,7 +74,7 @@ class Live:
 
     def _show(self, scene: Scene) -> None:
         """Show another scene. Raises what `html` raises: then nothing has changed."""
-        shown = values(scene)
+        data = values(scene)
         before, known = (
             (type(x), [*pieces(x).items()], surroundings(x), cards(x), to_live([x])) for x in (self.scene, scene)
         )
@@ -80,8 +83,8 @@ class Live:
         if widget := self.__dict__.get("widget"):
             if page:
                 widget.html = page
-            shown.pop("pictures")  # the page has them
-            widget.scene = shown
+            data.pop("pictures")  # the page has them
+            widget.scene = data
 
     @cached_property
     def widget(self) -> Any:  # noqa: ANN401  (a class that is made when anywidget is there)
@@ -138,8 +141,8 @@ def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
     Raises what `volumes` and `values` raise.
     """
     failures = languages.tables({})["en"]["failures"]
-    shown = stored(volumes(pieces(scene)))
-    data = {"scene": values(scene), "volumes": shown, "label": _label(scene), "failures": failures}
+    kept = stored(volumes(pieces(scene)))
+    data = {"scene": values(scene), "volumes": kept, "label": _label(scene), "failures": failures}
     laws = to_live([scene, *others])
     return to_html("liveview/page", data, script("liveview/main.js", laws=laws), laws)
 

@@ -1,5 +1,7 @@
 """Parameters of a scene from points that were marked in a photograph: least squares, with standard errors."""
 
+from __future__ import annotations  # help() then says ArrayLike
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

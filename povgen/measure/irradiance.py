@@ -1,5 +1,7 @@
 """The light of a source that comes through a scene's windows to a screen: its power per area, by traced rays."""
 
+from __future__ import annotations  # help() then says ArrayLike
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -7,6 +7,8 @@ Rays with dz > 0 run away from the eye, as a camera's do. Rays with dz < 0 run w
 take the same paths. `trace.trace` follows rays through prisms. An ideal sheet bends them where they meet it.
 """
 
+from __future__ import annotations  # help() then says ArrayLike
+
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from numbers import Complex, Real
@@ -63,7 +65,7 @@ class Opening(NamedTuple):
         return np.asarray(own @ self.pose.axes + self.pose.place)
 
     @property
-    def deep(self) -> "Opening":
+    def deep(self) -> Opening:
         """The window with a frame that is at least as deep as its prisms or lenses."""
         sheets = self.sheet.glass
         depth = sheets[-1].centre - sheets[0].centre + sheets[0].shape.length if sheets else 0.0
@@ -325,7 +327,7 @@ def trace_windows(
     rays: Bundle,
     windows: Iterable[Opening],
     most: int = 60,
-    partial: "np.random.Generator | None" = None,
+    partial: np.random.Generator | None = None,
     path: bool = False,
 ) -> Traced:
     """Follow a bundle through windows that stand anywhere and do not overlap.
@@ -388,10 +390,10 @@ def _way(
     rays: Bundle,
     windows: Sequence[Opening],
     most: int,
-    partial: "np.random.Generator | None" = None,
+    partial: np.random.Generator | None = None,
     path: bool = False,
-    bent: "list[Bent] | None" = None,
-) -> "_Way":
+    bent: list[Bent] | None = None,
+) -> _Way:
     """Return rays that have been followed to their ends."""
     sheets = [window.sheet.glass for window in windows]
     n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
@@ -414,7 +416,7 @@ class _Way:
     windows: Sequence[Opening]
     sheets: Sequence[Sequence[GlassSheet]]  # of prisms or lenses, in each window
     most: int
-    partial: "np.random.Generator | None"
+    partial: np.random.Generator | None
     path: bool
     bent: list[Bent] | None  # the rays that ideal sheets have bent, if they are asked for
     met: list[NDArray[np.int32]] = field(default_factory=list)  # the windows that the rays have met, one after another

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import combinations, pairwise
+from math import ceil, inf
 from typing import Any
 
 import numpy as np
@@ -207,10 +208,8 @@ def check_apart(things: Mapping[str, Placed], eye: Sequence[float]) -> None:
     for (one, a), (other, b) in combinations(boxes.items(), 2):
         if (depth := _overlap(a, b)) > 1e-6:
             here, there = (", ".join(f"{x:g}" for x in things[name].pose[:3]) for name in (one, other))
-            raise ValueError(
-                f"{one}, at {here}, and {other}, at {there}: they overlap by {depth:.3g} tiles; allowed: at least so "
-                "far apart, or turned otherwise"
-            )
+            more = f"{ceil(1000 * depth - 1e-3) / 1000:g} tiles farther apart" if depth < inf else "other places"
+            raise ValueError(f"{one}, at {here}, and {other}, at {there}: they overlap; allowed: {more}")
 
 
 Solid = tuple[Floats, Floats, Floats]  # the middle of a box (3,), its axes as rows (3, 3), half its sides (3,)
@@ -223,9 +222,10 @@ def _box(thing: Placed) -> Solid:
 
 
 def _overlap(a: Solid, b: Solid) -> float:
-    """Return by how much two boxes overlap, at least, along any axis that could separate them; 0: not at all.
+    """Return by how much two boxes overlap along the line between their middles; 0: not at all.
 
-    By the theorem of the separating axis: normals of both boxes' faces, and their cross products.
+    It is infinite if their middles are in one place. By the theorem of the separating axis: normals of both boxes'
+    faces, and their cross products.
     """
     (p, u, g), (q, v, h) = a, b
     if np.linalg.norm(q - p) >= np.linalg.norm(g) + np.linalg.norm(h):  # the spheres around them do not
@@ -234,4 +234,8 @@ def _overlap(a: Solid, b: Solid) -> float:
     length = np.linalg.norm(across, axis=1, keepdims=True)
     axes = np.concatenate((u, v, across[length[:, 0] > 1e-9] / length[length[:, 0] > 1e-9]))
     reach = abs(axes @ u.T) @ g + abs(axes @ v.T) @ h
-    return float(max(0, (reach - abs(axes @ (q - p))).min()))
+    apart = abs(axes @ (q - p))
+    if (apart >= reach).any():
+        return 0.0
+    more = (reach - apart)[apart > 0] / apart[apart > 0]
+    return float(min(more) * np.linalg.norm(q - p)) if len(more) else inf

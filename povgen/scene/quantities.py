@@ -5,6 +5,8 @@ image. A quantity that does not exist, such as nu at the pole,
 is NaN.
 """
 
+from __future__ import annotations  # help() then says ArrayLike
+
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import lru_cache

@@ -27,6 +27,7 @@ MOVING = 1.25  # the factor by which the text of a movie's short caption is larg
 LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
 LEAST_GROWTH = 1.4  # it states the size only if the size changes by more than this factor
 MOST_NAMES = 4  # of points that are not seen
+SET = "pupil", "focus", "polariser", "analyser"  # what a full caption states if it is not the default
 MOST_SHEETS = 4  # the caption of a room states its sheets if there are at most so many different ones
 
 Reals = NDArray[np.float64]
@@ -92,7 +93,7 @@ def _about(scene: Scene, full: bool) -> list[str]:
     texts = [windows, ", ".join(name if n == 1 else _count(n, name) for name, n in things.items())]
     if full:
         eye, to = (", ".join(_number(x, ".4g") for x in place) for place in (scene.camera.eye, scene.camera.middle))
-        texts.append(f"eye at ({eye}), looks at ({to})")
+        texts += [f"eye at ({eye}), looks at ({to})", *(f"{name} = {text}" for name, text in _set(scene).items())]
     return [text for text in texts if text]
 
 
@@ -319,7 +320,8 @@ def facts(scene: AxialScene) -> dict[str, str]:
 
     nu and M are there if the sheets only rotate light. r is there for one window with such a sheet, with the sheet
     `single` or without a sheet. Windows in series have their z instead. A glass that is named adds n. For several
-    objects a value is a range. nu and M are predictions for prisms of the scene's size (`Scene.nu_and_M`).
+    objects a value is a range. nu and M are predictions for prisms of the scene's size (`Scene.nu_and_M`). Of pupil,
+    focus and polarisers it has those that are not the default.
     """
     z1 = np.array(scene.distances)
     tiles = _unit("z1")
@@ -339,7 +341,14 @@ def facts(scene: AxialScene) -> dict[str, str]:
     if glasses:
         light = "in white light" if isinstance(scene.wavelength, str) else f"at {scene.wavelength:.1f} nm"
         texts["n"] = f"{', '.join(dict.fromkeys(map(_glass, glasses)))} {light}"
-    return texts
+    return texts | _set(scene)
+
+
+def _set(scene: Scene) -> dict[str, str]:
+    """Return the parameters of pupil, focus and polarisers that are not the default, as text by name."""
+    fields = {name: field for name, field in type(scene).model_fields.items() if name in SET}
+    values = {name: getattr(scene, name) for name, field in fields.items() if getattr(scene, name) != field.default}
+    return {name: _number(x, ".4g") + _unit(name) if x != "best" else x for name, x in values.items()}
 
 
 def _glass(values: Mapping[str, Any]) -> str:

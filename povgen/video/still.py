@@ -172,16 +172,18 @@ def show(scene: Scene, **options: Unpack[Options]) -> Image:
 
 
 @recorded_call
-def save(scene: Scene, path: str | Path, **options: Unpack[Options]) -> Path:
+def save(scene: Scene, path: str | Path, *, progress: bool = True, **options: Unpack[Options]) -> Path:
     """Write the scene's picture to a PNG or EXR file and return its path. The file is written atomically.
 
-    An EXR file has scene-linear light, as `render` returns it with `linear`. Options and errors are `render`'s. Raises
-    InputError, before anything is rendered, if the file cannot be written.
+    An EXR file has scene-linear light, as `render` returns it with `linear`. A terminal shows how much of the picture
+    is there, but not with `progress=False`. Options and errors are `render`'s. Raises InputError, before anything is
+    rendered, if the file cannot be written.
     """
+    quiet = not as_flag("progress", progress)
     scene, rendering = checked_scene(scene), rendering_for(path, options)
     output = files.checked_output(path, PICTURES, inputs=input_files([scene]))
     target = output.resolve()  # the current folder may change meanwhile
-    record.save(as_file(scene, rendering, output.suffix), target)
+    record.save(as_file(scene, rendering, output.suffix, quiet=quiet), target)
     return output
 
 

@@ -176,7 +176,11 @@ THINGS = "left, window2, knight, text1, ruler1, eye"
         ('"window2.pitch"', '"knight.hight"', ["allowed: knight.x, knight.y, knight.z, knight.yaw, knight.pitch"]),
         ('"window2.pitch"', '"knight.color"', ["parameter = 'knight.color': cannot be swept"]),
         ("stop = 60", "stop = 4000", ["frame 3 of 3, window2.pitch = 4000: pitch = 4000.0: should be less"]),
-        ("x = 1.7", "x = 0", ["left, at -1.7, 0, 0, and window2, at 0, 0, 0: they overlap by 0.983 tiles"]),
+        (
+            "x = 1.7",
+            "x = 0",
+            ["left, at -1.7, 0, 0, and window2, at 0, 0, 0: they overlap; allowed: 1.6 tiles farther"],
+        ),
         ('"knight"', '"left"', ["name = 'left': two things have it; allowed: different names"]),
         ('"knight"', '"Left"', ["name = 'Left': two things have it; allowed: different names, also in small letters"]),
         ('"knight"', '"eye"', ["name = 'eye': the eye has it"]),

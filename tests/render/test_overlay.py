@@ -140,6 +140,10 @@ def test_the_caption_prints_what_the_equations_predict():
         "M": f"{equations.M(3, radians(66)):.3g}",
     }
     assert list(captions.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
+    light = captions.facts(Chess(polariser=0, analyser=90, pupil=0.3, focus=8))
+    assert [*light.items()][-4:] == [
+        ("pupil", "0.3 tiles"), ("focus", "8 tiles"), ("polariser", "0°"), ("analyser", "90°")
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(

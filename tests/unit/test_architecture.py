@@ -114,7 +114,7 @@ def test_one_module_uses_an_external_library(library, users):
 
 
 def test_public_names_are_listed_and_exist():
-    assert set(povgen.__all__) <= set(dir(povgen))
+    assert {name for name in dir(povgen) if not name.startswith("_")} == set(povgen.__all__)
     assert all(getattr(povgen, name).__name__ == name for name in povgen.__all__)
     with pytest.raises(AttributeError, match="no attribute 'colour'"):
         povgen.__getattr__("colour")

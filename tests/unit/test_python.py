@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from conftest import picture
 
+import povgen
 from povgen import (
     Chess,
     Eye,
@@ -76,6 +77,7 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should be written without _"]),
         (lambda: movie(repeat(Chess()), "a.mp4"), ["more than 30000 scenes; allowed: up to 30000"]),
         (lambda: movie([Chess()], "a.mp4", progress="no"), ["progress = 'no': should be true or false"]),
+        (lambda: save(Chess(), "a.png", progress="no"), ["progress = 'no': should be true or false"]),
         (lambda: Movie("x"), ["path = 'x'", ".mp4, .webm, .webp, .gif"]),
         (lambda: Movie("gone.mp4")._repr_html_(), ["path = 'gone.mp4': No such file"]),
         (lambda: render("chess"), ["scene = 'chess'", "Chess(...)"]),
@@ -150,6 +152,11 @@ def test_a_copy_with_changes():
     assert Rendering(size=(64, 48)).replace(quality="high").size == (64, 48)
     for copied in (pickle.loads(pickle.dumps(scene)), scene.model_copy()):
         assert copied == scene
+
+
+@pytest.mark.parametrize("function", [povgen.Bundle, povgen.fit, povgen.irradiance, povgen.mtf])
+def test_help_names_types_in_short(function):
+    assert "numpy." not in str(inspect.signature(function))
 
 
 @pytest.mark.parametrize("model", [Chess, Spheres, Rendering, MovieSpec])
@@ -240,6 +247,7 @@ def test_equal_values_have_equal_hashes():
 def test_repr_shows_what_differs_from_the_default():
     assert repr(Chess()) == str(Chess()) == repr(Chess(alpha=66)) == "Chess()"
     assert repr(Chess(alpha="90", sheet="ideal")) == "Chess(alpha=90.0, sheet='ideal')"
+    assert repr(live(Chess(alpha=90))) == "live(Chess(alpha=90.0))"
     assert repr(Rendering(quality="high")) == "Rendering(quality='high')"
     window = Chess(window="alpha=120,z=2", x=[0, 1])
     assert repr(window) == "Chess(window=(FurtherWindow(alpha=120.0, z=2.0),), x=(0.0, 1.0))"

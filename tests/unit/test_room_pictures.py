@@ -36,6 +36,7 @@ def test_a_caption_says_what_stands_there():
     assert said(ROOM, caption="full", note="Question 1") == [
         [*short, "eye at (0, 0.5, -9), looks at (0, 0, 0)", "Question 1"]
     ]
+    assert said(ROOM.replace(pupil=0.3), caption="full")[0][3:] == ["pupil = 0.3 tiles"]
     lines = {
         "no window": [],
         "1 window: law k = 0.3": [Window(sheet="law", law="x + k*z, y, z", parameter={"k": 0.3})],

@@ -1,12 +1,13 @@
 """A scene's parameters: what each one moves, and what follows from it."""
 
 import re
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 from conftest import glass, mirrored_position
 
-from povgen import Chess, InputError, Rendering, Spheres, to_pov
+from povgen import Chess, InputError, Rendering, Room, Spheres, Window, to_pov
 from povgen.errors import at_least, at_most
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
@@ -56,6 +57,18 @@ def test_window_frame_and_pedestals_stand_on_the_floor():
         assert Chess(aperture=aperture, z1=5, pedestal=1.5).L.imag == scene.floor_y + 1.5
         with pytest.raises(InputError, match=f"allowed: Y > {scene.floor_y:g}$"):
             Chess(aperture=aperture, z1=5, eye=(0, scene.floor_y))
+
+
+@pytest.mark.parametrize("window", [Window(x=1.3), Window(x=-0.5, y=0.8, z=0.1, yaw=20)])
+def test_a_room_says_how_much_farther_apart_windows_must_be(window):
+    with pytest.raises(InputError, match="they overlap; allowed: .* tiles farther apart$") as error:
+        Room([Window(), window])
+    more = float(str(error.value).split()[-4])
+    for nearer, allowed in ((0, True), (0.002, False)):
+        factor = 1 + (more - nearer) / np.linalg.norm(window.pose.place)
+        moved = window.replace(**{name: factor * getattr(window, name) for name in "xyz"})
+        with nullcontext() if allowed else pytest.raises(InputError, match="overlap"):
+            Room([Window(), moved])
 
 
 @pytest.mark.parametrize(
