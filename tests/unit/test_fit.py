@@ -50,16 +50,58 @@ def test_points_at_one_distance_tell_z1_over_z2_alone():
     assert not known.warning and known.values["z2"] == pytest.approx(7)
 
 
+MARKED = [(-1, -1), (1, -1), (0, 0.5)], [(-0.51, -1.02), (1.02, -0.51), (-0.13, 0.38)]  # alpha = 66, z1 = 3, z2 = 7
+
+
+@pytest.mark.parametrize("sheet", ["ideal", "detailed"])
+@pytest.mark.parametrize("start", [{"alpha": 250}, {"alpha": -100, "z1": 30}, {"alpha": 359.9, "z1": 0.7}])
+def test_the_search_may_start_far_from_the_truth(sheet, start):
+    found = fit(Chess(sheet=sheet, z2=7, **start), *MARKED)
+    assert found.values["alpha"] % 360 == pytest.approx(66, abs=2) and found.values["z1"] == pytest.approx(3, abs=0.2)
+    assert not found.warning and found.scene.z1 == found.values["z1"]
+
+
+def test_a_fit_does_not_depend_on_where_the_piece_could_stand():
+    points = seen(Chess(sheet="ideal", z2=7), z1=0.3)
+    found = fit(Chess(sheet="ideal", z2=7), PLACES, points, noise=0.01)
+    assert found.values["z1"] == pytest.approx(0.3) and found.scene is None
+    assert found.warning.startswith("no scene: z1 = 0.3: the knight would touch the window frame")
+
+
+@pytest.mark.parametrize(
+    ("free", "noise", "warning"),
+    [
+        ("z1", 0.01, "at the edge of what is allowed: z1; the points are 0.41 tiles from where these values show them"),
+        ("z2", 1, "at the edge of what is allowed: z2"),
+        ("z1", None, "at the edge of what is allowed: z1; the points are 0.41 tiles"),
+        ("focal_length", 1, "the points do not determine: focal_length"),
+    ],
+)
+def test_a_fit_that_is_none_has_a_warning(free, noise, warning):
+    assert fit(Chess(sheet="ideal", alpha=250, z2=7), *MARKED, free, noise).warning.startswith(warning)
+
+
+def test_points_in_the_middle_determine_nothing():
+    found = fit(Chess(sheet="ideal"), [(0, 0)] * 2, [(0, 0)] * 2, noise=0.01)
+    assert found.warning == "the points do not determine: alpha, z1" and "nan" not in str(found)
+
+
 @pytest.mark.parametrize(
     ("places", "free", "message"),
     [
-        (PLACES, ("alhpa",), "free = 'alhpa': no number of the scene; allowed: alpha, z1"),
+        (PLACES, ("alhpa",), "free = 'alhpa': no number of eye and windows, or a whole one; allowed: alpha, z1"),
         (PLACES, ("sheet",), "free = 'sheet': no number"),
         (PLACES[:1], ("alpha", "z1"), "free: 2 for 2 coordinates; allowed: 1 to 1"),
         (np.column_stack((PLACES, PLACES[:, 0] + 2)), ("z1",), "free: z1, which places state"),
         (PLACES[:, :1], ("alpha",), "places, seen: arrays of the shapes"),
+        (PLACES * np.nan, "alpha", "places, seen: NaN, infinite, or a z1 below 0"),
+        (PLACES, ("prisms",), "free = 'prisms': no number of eye and windows, or a whole one; allowed: alpha"),
+        (PLACES, ("alpha", "alpha"), "free = alpha, alpha: a name twice; allowed: each once"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(places, free, message):
     with pytest.raises(InputError, match=message.replace("(", r"\(")):
         fit(TRUE, places, np.zeros((len(places), 2)), free)
+    for noise in (0, -1, np.nan):
+        with pytest.raises(InputError, match="noise = .*: allowed: above 0"):
+            fit(TRUE, PLACES, PLACES, noise=noise)
