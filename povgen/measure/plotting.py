@@ -23,7 +23,7 @@ try:
     from matplotlib.figure import Figure
     from matplotlib.font_manager import fontManager
     from matplotlib.patheffects import withStroke
-    from matplotlib.ticker import LogLocator
+    from matplotlib.ticker import AutoLocator, LogLocator
 except ImportError:
     raise InputError(
         f"charts and figures are drawn with matplotlib, which is not installed: {remedies.extra('charts')}"
@@ -31,7 +31,7 @@ except ImportError:
 
 # for the modules that draw
 __all__ = [
-    "COLOURS", "GREY", "IDEAL", "PRISMS", "Axes", "Figure", "drawn", "plain_ticks", "save_drawing",
+    "COLOURS", "GREY", "IDEAL", "PRISMS", "AutoLocator", "Axes", "Figure", "drawn", "plain_ticks", "save_drawing",
     "save_table", "style", "table_rows", "withStroke",
 ]  # fmt: skip
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart

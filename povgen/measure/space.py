@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from povgen.errors import input_errors
 from povgen.files import checked_output
-from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, AutoLocator, Axes, drawn
+from povgen.optics.equations import Floats
 from povgen.optics.rays import Traced
 from povgen.optics.trace import End
 from povgen.record import DRAWINGS, recorded_call, saved_with
@@ -15,11 +15,13 @@ from povgen.scene.scene import Scene, checked_scene
 from povgen.settings import Print
 from povgen.video.still import record_of
 
-SIZE = (9, 6)  # inches
-ZOOM = 1.2  # so that the drawing fills the picture
+WIDTH, HEIGHTS = 9, (3, 9)  # inches
 RAYS = (11, 8)  # from the eye, across the picture and upwards
 OBJECT, DESIGNED, STRAY = "#b58900", IDEAL, GREY
 FARTHEST = 4  # what is farther from the eye than this multiple of the windows' distance is left out
+EDGE = 0.02  # between what is seen and the edge of the drawing, as a part of its width or height
+Line = tuple[Floats, str, float]  # points (n, 3), a colour, a width
+MARGIN, BEYOND = 0.3, 100  # how far a ray that leaves is seen, at least, and drawn, as multiples of the scene's size
 
 
 @recorded_call
@@ -37,50 +39,93 @@ def draw(
     """Draw the scene in space with rays of light, to scale, and write it to a .png, .svg or .pdf file. Return its path.
 
     `traced` are rays whose paths were kept: `scene.trace(rays, path=True)`. Without them, they are rays from the eye
-    through a grid of points of the picture. Rays on the designed path are red, others grey. A ray that leaves is
-    extended by 0.3 of the scene's size. The drawing is seen from this azimuth and elevation, degrees: -90 and 0 are a
-    side view, with z to the right. `dpi`, dots an inch from 50 to 1200, and `width`, millimetres from 40 to 300, are
-    those of the file. Raises InputError for a file that cannot be written, for rays without paths, and
-    without matplotlib.
+    through a grid of points of the picture. Rays on the designed path are red, others grey. Rays that leave go on to
+    the edge of the drawing, also past objects. The drawing is seen from far away at this azimuth and elevation,
+    degrees: -90 and 0 are a side view, with z to the right, and -90 and 90 a view from above. Views along x, y or z
+    have axes with numbers. Others have an arrow along each axis. `dpi`, dots an inch from 50 to 1200, and `width`,
+    millimetres from 40 to 300, are those of the file. Raises InputError for a file that cannot be written, for rays
+    without paths, and without matplotlib.
     """
     scene, target = checked_scene(scene), checked_output(output, DRAWINGS)
     printed = Print(dpi=dpi, width=width)
     if traced is not None and not traced.corners.shape[-2]:
         raise ValueError("traced: the paths were not kept; allowed: rays of trace(..., path=True)")
-    found = scene.trace(scene.rays(RAYS), path=True) if traced is None else traced
-    eye = np.array(scene.camera.eye)
-    edges = [opening.edge for opening in scene.openings]
-    far = FARTHEST * max((float(np.linalg.norm(edge.mean(0) - eye)) for edge in edges), default=10.0)
-    solid = [each for each in scene.contents if np.ptp(each.box)]
-    boxes = [each.edges for each in solid if np.linalg.norm(each.pose.place - eye) < far]
-    everything = np.concatenate([eye[None], *edges, *boxes])
-    length = 0.3 * float(np.linalg.norm(np.ptp(everything, axis=0)))
-    with saved_with(record_of([scene])), drawn(*SIZE, target, printed=printed, roomy=True) as figure:
-        axes = figure.add_subplot(projection="3d")
+    eye, solid = np.array([scene.camera.eye]), _solid(scene)
+    rays = _rays(scene.trace(scene.rays(RAYS), path=True) if traced is None else traced)
+    size = float(np.linalg.norm(np.ptp(np.concatenate([eye, *(points for points, _, _ in solid)]), axis=0))) or 1.0
 
-        def line(points: NDArray[np.float64], colour: str, width: float = 1) -> None:
-            axes.plot(points[:, 2], -points[:, 0], points[:, 1], color=colour, linewidth=width)
+    def lines(farther: float) -> list[Line]:
+        far = farther * size
+        return [*solid, *((np.vstack((path, path[-1] + far * way)), colour, 0.8) for path, way, colour in rays)]
 
-        for box in boxes:
-            line(box, OBJECT)
-        for edge in edges:
-            line(edge, PRISMS, 2)
-        corners, ways = found.corners.reshape(-1, *found.corners.shape[-2:]), found.direction.reshape(-1, 3)
-        for path, way, designed, end in zip(corners, ways, found.designed.flat, found.end.flat, strict=True):
-            path = path[np.isfinite(path[:, 0])]
-            if end in (End.THROUGH, End.BACK, End.BESIDE):
-                path = np.vstack((path, path[-1] + length * way))
-            line(path, DESIGNED if designed else STRAY, 0.8)
-        axes.plot(*eye[[2]], *-eye[[0]], *eye[[1]], "o", color="black")
-        axes.set_xlabel("z, tiles", labelpad=12)
-        axes.set(ylabel="−x, tiles", zlabel="y, tiles")
-        axes.set_aspect("equal")
-        axes.set_box_aspect(
-            np.ptp([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()], axis=1),
-            zoom=ZOOM * (figure.get_figwidth() / SIZE[0]) ** 0.5,
-        )
-        axes.locator_params(axis="y", nbins=4)
-        axes.view_init(elevation, azimuth)
-        if abs(np.cos(np.radians(azimuth))) + abs(np.sin(np.radians(elevation))) < 0.1:  # the axis is seen from its end
-            axes.set(yticks=[], ylabel="")
+    sides = _sides(azimuth, elevation)
+    straight = bool((abs(sides).max(1) == 1).all())
+    ways = sides.sum(1) if straight else np.ones(2)  # an axis with numbers may run to the left or down
+    sides *= ways[:, None]
+    seen = np.concatenate([eye, *(points for points, _, _ in lines(MARGIN))]) @ sides.T
+    across, up = np.ptp(seen, axis=0)
+    edge = EDGE * max(across, up)
+    low_high = np.stack((seen.min(0) - edge, seen.max(0) + edge))
+    height = np.clip(WIDTH * up / across, *HEIGHTS)
+    with saved_with(record_of([scene])), drawn(WIDTH, height, target, printed=printed, roomy=True) as figure:
+        axes = figure.add_subplot()
+        axes.set_aspect("equal", adjustable="datalim")
+        for points, colour, thick in lines(BEYOND):
+            axes.plot(*(points @ sides.T).T, color=colour, linewidth=thick)
+        axes.plot(*(eye @ sides.T).T, "o", color="black")
+        axes.set_xlim(*low_high[:, 0], auto=True)  # True: one of the axes may be longer
+        axes.set_ylim(*low_high[:, 1], auto=True)
+        if straight:
+            _number(axes, sides, ways)
+        else:
+            _add_arrows(axes, sides, low_high[0])
     return target
+
+
+def _solid(scene: Scene) -> list[Line]:
+    """Return the outlines of objects and windows, without objects that are too far away."""
+    eye, edges = np.array(scene.camera.eye), [opening.edge for opening in scene.openings]
+    far = FARTHEST * max((float(np.linalg.norm(edge.mean(0) - eye)) for edge in edges), default=10.0)
+    near = [each for each in scene.contents if np.ptp(each.box) and np.linalg.norm(each.pose.place - eye) < far]
+    return [*((each.edges, OBJECT, 1.0) for each in near), *((edge, PRISMS, 2.0) for edge in edges)]
+
+
+def _rays(found: Traced) -> list[tuple[Floats, Floats, str]]:
+    """Return the path of each ray, its direction behind the path, which is 0 for a ray that ends, and its colour.
+
+    Those on the designed path are last, on top.
+    """
+    corners, ways = found.corners.reshape(-1, *found.corners.shape[-2:]), found.direction.reshape(-1, 3)
+    leaves = np.isin(found.end, (End.THROUGH, End.BACK, End.BESIDE)).reshape(-1, 1)
+    colours = np.where(found.designed, DESIGNED, STRAY).flat
+    paths = (path[np.isfinite(path[:, 0])] for path in corners)
+    rays = zip(paths, leaves * np.nan_to_num(ways), colours, strict=True)
+    return sorted(rays, key=lambda ray: ray[2] == DESIGNED)
+
+
+def _sides(azimuth: float, elevation: float) -> Floats:
+    """Return the directions to the right and up in the drawing, (2, 3)."""
+    a, e = np.radians((azimuth, elevation))
+    up = np.sin(e) * np.sin(a), np.cos(e), -np.sin(e) * np.cos(a)
+    return np.array([(-np.cos(a), 0, -np.sin(a)), up]).round(12)
+
+
+def _number(axes: Axes, sides: Floats, ways: Floats) -> None:
+    """Write numbers at the axes of a drawing along x, y or z. An axis with the way -1 runs to the left or down."""
+    for axis, side, way in zip((axes.xaxis, axes.yaxis), sides, ways, strict=True):
+        axis.set_label_text(f"{'xyz'[side.argmax()]}, tiles")
+        axis.set_inverted(way < 0)
+    axes.spines[:].set_visible(True)
+
+
+def _add_arrows(axes: Axes, sides: Floats, corner: Floats) -> None:
+    """Draw an arrow along x, y and z at the lower left corner of a drawing, and write how long they are."""
+    across = float(np.ptp(axes.get_xlim()))
+    length = float(AutoLocator().tick_values(0, across / 2)[1])
+    tips = length * sides.T
+    start = corner + (0, 0.05 * across) - 1.3 * tips.clip(max=0).min(0)
+    for name, tip in zip("xyz", tips, strict=True):
+        axes.annotate("", start + tip, start, arrowprops={"arrowstyle": "->", "shrinkA": 0, "shrinkB": 0})
+        axes.annotate(name, start + 1.2 * tip, ha="center", va="center")
+    axes.annotate(f"arrows: {length:g} tile{'s' * (length != 1)}", corner)
+    axes.set_axis_off()

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from povgen import Bundle, Chess, Eye, InputError, Room, Sphere, Window, draw
+from povgen.measure import plotting
 from povgen.optics.ray_path import IDEAL
+from povgen.optics.trace import End
 
 PRISMS = Chess(alpha=66, prisms=20)
 
@@ -76,6 +78,51 @@ def test_a_drawing_in_space_has_the_windows_the_objects_and_the_rays(tmp_path):
     assert many.count("<path") - few.count("<path") >= 4
     with pytest.raises(InputError, match="paths were not kept"):
         draw(PRISMS, tmp_path / "b.svg", PRISMS.trace(PRISMS.rays((3, 2))))
+
+
+def drawing(monkeypatch, scene, **options):
+    """Return the axes of a drawing, and the points of its lines by their colours."""
+    figures = []
+    monkeypatch.setattr(plotting, "save_drawing", lambda figure, *_, **__: figures.append(figure))
+    draw(scene, "a.svg", **options)
+    figures[0].draw_without_rendering()
+    axes = figures[0].axes[0]
+    lines = [(line.get_color(), np.transpose(line.get_data())) for line in axes.lines]
+    return axes, {colour: [points for each, points in lines if each == colour] for colour, _ in lines}
+
+
+TWO = Room([Window(x=-1.7), Window(name="b", x=1.7, yaw=30)], eye=Eye(y=1, z=-8))
+
+
+@pytest.mark.parametrize(
+    ("view", "names", "upright"),
+    [((-90, 0), "zy", (1, 1)), ((-90, 90), "zx", (1, -1)), ((180, 0), "xy", (1, 1)), ((90, 0), "zy", (-1, 1))],
+)
+def test_a_view_along_an_axis_has_numbers_where_they_belong(view, names, upright, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    axes, lines = drawing(monkeypatch, TWO, azimuth=view[0], elevation=view[1], width=84)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == tuple(f"{name}, tiles" for name in names)
+    ends = axes.get_xlim(), axes.get_ylim()
+    assert tuple(np.sign(np.diff(ends)[:, 0])) == upright
+    for drawn, opening in zip(lines[plotting.PRISMS], TWO.openings, strict=True):
+        assert drawn == pytest.approx(opening.edge[:, ["xyz".index(name) for name in names]])
+    low, high = np.sort(ends).T
+    rays = lines[plotting.IDEAL] + lines[plotting.GREY]
+    ends = TWO.trace(TWO.rays((11, 8))).end
+    leave = np.isin(ends, (End.THROUGH, End.BACK, End.BESIDE)).sum()
+    assert len(rays) == 88 and sum(((ray[-1] < low) | (ray[-1] > high)).any() for ray in rays) == leave > 60
+    assert axes.get_position().width * axes.get_position().height > 0.5  # of the drawing
+
+
+def test_a_slanted_view_is_to_scale(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    axes, lines = drawing(monkeypatch, TWO, azimuth=-60, elevation=20)
+    a, e = np.radians((-60, 20))
+    to_reader = np.array((-np.cos(e) * np.sin(a), np.sin(e), np.cos(e) * np.cos(a)))
+    for drawn, opening in zip(lines[plotting.PRISMS], TWO.openings, strict=True):
+        for flat, edge in zip(np.diff(drawn, axis=0), np.diff(opening.edge, axis=0), strict=True):
+            assert np.linalg.norm(flat) == pytest.approx(np.linalg.norm(np.cross(edge, to_reader)))
+    assert {text.get_text() for text in axes.texts} == {"", "x", "y", "z", "arrows: 1 tile"} and not axes.axison
 
 
 def behind_prisms(theta, count=6000):
