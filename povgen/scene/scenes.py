@@ -392,9 +392,10 @@ def used_parameters(scene: Scene) -> set[str]:
 
 
 def checked_axial(scene: object, what: str) -> AxialScene:
-    """Return a scene whose windows stand on one axis. Raises InputError for another one: `what` is not for it."""
+    """Return a scene of Chess or Spheres. Raises InputError for another one: `what` is not for it."""
     if not isinstance(found := checked_scene(scene), AxialScene):
-        raise InputError(f"scene = {shown(found)}: {what} needs windows on one axis; allowed: {classes(AxialScene)}")
+        kind = type(found).__name__
+        raise InputError(f"scene = {shown(found)}: {what} is not for {kind}; allowed: {classes(AxialScene)}")
     return found
 
 

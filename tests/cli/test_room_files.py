@@ -216,12 +216,10 @@ def test_what_is_no_room(tmp_path, file):
         lambda: ROOM.with_numbers({"knigt.x": 1})
     )
     assert "'sheet': unknown" in refused(["frame", "room.toml", "--sheet=auto", "--tolerance=1px"], tmp_path)
-    assert message_of(lambda: cheapest(ROOM, "1px")).endswith(
-        "needs windows on one axis; allowed: Chess(...) or Spheres(...)"
-    )
+    assert message_of(lambda: cheapest(ROOM, "1px")).endswith("is not for Room; allowed: Chess(...) or Spheres(...)")
     message = "quantity = 'nu': not for a room; allowed: x, y, visible, best_focus, pupil_blur, or Chess(...) or"
     assert message_of(lambda: results([ROOM], "x", "nu")).startswith(message)
-    assert "povgen tolerance needs windows on one axis" in refused(["tolerance", "room.toml"], tmp_path)
+    assert "povgen tolerance is not for Room" in refused(["tolerance", "room.toml"], tmp_path)
 
 
 def message_of(call):

@@ -154,7 +154,7 @@ def test_parts_that_cannot_be(tmp_path):
         InputError, match="sheet = 'ideal' has no glass; allowed: 'detailed', 'single', 'lenticular', 'profile'$"
     ):
         to_sheets(Chess(window="z=2", sheet="ideal"))
-    with pytest.raises(InputError, match="part = 'sheets' needs windows on one axis"):
+    with pytest.raises(InputError, match="part = 'sheets' is not for Room"):
         to_sheets(Room([Window(sheet="detailed")]))
     for options, said in (
         (["--part", "frame"], "part = 'frame': allowed: sheets"),

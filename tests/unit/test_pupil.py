@@ -69,10 +69,14 @@ def test_a_room_is_focused_on_its_first_object_that_is_seen():
     assert pupil.inverse_focus(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
 
 
-def test_mtf_is_that_of_a_disc():
+def test_mtf_is_that_of_a_disc(monkeypatch):
     """2 J1(x) / x, by its series: the pupil is a disc, and the blur through a rotating sheet is one, too."""
-    scene, frequencies = Chess(sheet="ideal", pupil=0.04, **METRE), np.array([0, 2, 5, 9.0])
+    scene, frequencies = Chess(sheet="ideal", pupil=0.04, **METRE), np.array([0, 2, 5, 9, 10, 50.0])
     x = np.pi * 0.04 * abs((1 / (10 + 10j)).imag) * np.degrees(frequencies)
-    disc = sum((-1) ** k / (factorial(k) * factorial(k + 1)) * (x / 2) ** (2 * k) for k in range(30))
+    disc = abs(sum((-1) ** k / (factorial(k) * factorial(k + 1)) * (x / 2) ** (2 * k) for k in range(60)))
+    assert disc[-2:] == pytest.approx([0.053, 0.021], abs=5e-4)
     for direction in (0, 30):
-        assert mtf(scene, frequencies, direction) == pytest.approx(abs(disc), abs=0.02)
+        assert mtf(scene, frequencies, direction) == pytest.approx(disc, abs=1e-8)
+    assert mtf(scene, [[5], [1e9]]).tolist() == [[pytest.approx(disc[2])], [0]]
+    monkeypatch.setattr("povgen.optics.apparent.matrix", lambda _: None)  # traced rays
+    assert mtf(scene, frequencies) == pytest.approx(disc, abs=0.008)
