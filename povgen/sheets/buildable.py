@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 RAYS, PLACES = 40, 12
-ENOUGH = 1e-9  # by so much a map may differ from what is meant
+ENOUGH = 1e-4  # by so much a map may differ from what is meant: laws have numbers of four decimals
+EXACT = 1e-9  # a greater difference is stated
 STEEP = 0.6  # the greatest slope of the rays
 
 
@@ -28,16 +29,36 @@ class Buildable(NamedTuple):
         return f"{self.parts}: {self.reason} ({self.page})"
 
 
+NOTHING = "nothing known"
 PRISMS_PAGE = "docs/sheets.md#real-prisms---sheet-detailed"
 LAWS_PAGE = "docs/beyond.md#other-ideal-sheets"
+
+
+class _Within:
+    """Says whether a difference is small enough, and keeps the worst one that is."""
+
+    worst = 0.0
+
+    def __call__(self, off: float) -> bool:
+        if small := off < ENOUGH:
+            self.worst = max(self.worst, float(off))
+        return small
 
 
 def judged(bend: Callable[..., Any], half: float) -> Buildable:
     """Return what can do what a law does. `half` is half the side of its window, tiles.
 
     `bend` takes unit directions (..., 3) and places (...), x + iy in tiles, and returns unit directions (..., 3), NaN
-    where no light passes (`Ideal.bend`).
+    where no light passes (`Ideal.bend`). The law's numbers may be rounded to four decimals; the reason then says so.
     """
+    within = _Within()
+    found = _judged(bend, half, within)
+    if within.worst < EXACT or found.parts == NOTHING:
+        return found
+    return found._replace(reason=f"{found.reason}; the law differs from this by up to {within.worst:.1g}")
+
+
+def _judged(bend: Callable[..., Any], half: float, within: _Within) -> Buildable:
     rng = np.random.default_rng(1)
     x, y = rng.uniform(-half, half, (2, PLACES, 1))
     slope = STEEP * np.sqrt(rng.uniform(size=(1, RAYS))) * np.exp(2j * np.pi * rng.uniform(size=(1, RAYS)))
@@ -45,15 +66,15 @@ def judged(bend: Callable[..., Any], half: float) -> Buildable:
     before = np.broadcast_to(before / np.linalg.norm(before, axis=-1, keepdims=True), (PLACES, RAYS, 3))
     after = bend(before, np.broadcast_to(x + 1j * y, (PLACES, RAYS)))
     if not np.isfinite(after).any():
-        return Buildable("nothing known", "no light passes", LAWS_PAGE)
+        return Buildable(NOTHING, "no light passes", LAWS_PAGE)
     passes = np.isfinite(after[..., 0]).all()
     turns, off = _linear(before[..., :2], after[..., :2])
     kept = np.nanmax(abs(after[..., 2] - before[..., 2]))
-    if kept < ENOUGH and off < ENOUGH:
-        return _prisms(turns)
+    if within(max(kept, off)):
+        return _prisms(turns, within)
     maps, off = _linear(before[..., :2] / before[..., 2:], after[..., :2] / after[..., 2:], shifted=True)
-    if off < ENOUGH and passes:
-        return _lenses(maps, _curl(bend, x[:, 0] + 1j * y[:, 0], 1e-5 * half))
+    if passes and within(off):
+        return _lenses(maps, _curl(bend, x[:, 0] + 1j * y[:, 0], 1e-5 * half), within)
     said = (
         "it keeps the component of a direction along the normal, but is not linear"
         if kept < ENOUGH
@@ -62,7 +83,7 @@ def judged(bend: Callable[..., Any], half: float) -> Buildable:
             "near the normal lenslets come close to a law that is smooth there"
         )
     )
-    return Buildable("nothing known", said, LAWS_PAGE)
+    return Buildable(NOTHING, said, LAWS_PAGE)
 
 
 def _linear(before: Any, after: Any, shifted: bool = False) -> tuple[Any, float]:  # noqa: ANN401
@@ -87,47 +108,46 @@ def _curl(bend: Callable[..., Any], places: Any, step: float) -> float:  # noqa:
     return float(abs(by_x[:, 1] - by_y[:, 0]).max())
 
 
-def _prisms(turns: Any) -> Buildable:  # noqa: ANN401
+def _prisms(turns: Any, within: _Within) -> Buildable:  # noqa: ANN401
     """Return what makes these orthogonal maps of the transverse part, (places, 2, 2), one for each place."""
     mirrors = np.linalg.det(turns) < 0
     one = "a sheet of Dove prisms mirrors" if mirrors.all() else "two sheets of Dove prisms turn"
-    if np.ptp(turns, axis=0).max() > ENOUGH:
+    if not within(np.ptp(turns, axis=0).max()):
         said = f"{one} light by an angle that depends on the place: their ridges have to curve, or to come in patches"
         return Buildable("prisms that change with the place", said, LAWS_PAGE)
-    if abs(turns[0] - np.eye(2)).max() < ENOUGH:
+    if within(abs(turns[0] - np.eye(2)).max()):
         return Buildable("straight prisms", "it changes nothing, and needs none", PRISMS_PAGE)
     return Buildable("straight prisms", f"{one} light in this way, the same everywhere", PRISMS_PAGE)
 
 
-def _lenses(maps: Any, curl: float) -> Buildable:  # noqa: ANN401
+def _lenses(maps: Any, curl: float, within: _Within) -> Buildable:  # noqa: ANN401
     """Return what makes these maps (places, 2, 3) of slopes: a matrix and a shift, one for each place.
 
     The curl is the greatest of the shift, as a field of slopes over the sheet.
     """
-    if np.ptp(maps[..., :2], axis=0).max() > ENOUGH:
-        return Buildable("nothing known", "it multiplies the slope by a factor that depends on the place", LAWS_PAGE)
+    if not within(np.ptp(maps[..., :2], axis=0).max()):
+        return Buildable(NOTHING, "it multiplies the slope by a factor that depends on the place", LAWS_PAGE)
     matrix, shift = maps[0, :, :2], maps[:, :, 2]
     left, sizes, right = np.linalg.svd(matrix)
     if sizes[1] < ENOUGH:
-        return Buildable("nothing known", "it maps different slopes to one", LAWS_PAGE)
-    moves, depends = abs(shift).max() > ENOUGH, np.ptp(shift, axis=0).max() > ENOUGH
+        return Buildable(NOTHING, "it maps different slopes to one", LAWS_PAGE)
     parts, reasons = [], []
-    if abs(sizes - 1).max() > ENOUGH:
-        parts.append("lenslets that change with the place" if depends else "lenslets")
-        moved = ", whose axes move with the place," if depends else ""
-        reasons.append(f"confocal arrays of lenses{moved} multiply the slope")
+    if not within(abs(sizes - 1).max()):
+        parts.append("lenslets")
+        positive = abs(left @ right - np.eye(2)).max() < ENOUGH
+        concave = ", by a positive factor if one array is concave" if positive else ""
+        reasons.append(f"confocal arrays of lenses multiply the slope{concave}")
     # a factor -1 belongs to the lenses: it is the sign of their focal lengths
-    turned = min(abs(left @ right - sign * np.eye(2)).max() for sign in ((1, -1) if parts else (1,))) > ENOUGH
-    if turned:
+    if not within(min(abs(left @ right - sign * np.eye(2)).max() for sign in ((1, -1) if parts else (1,)))):
         parts.append("straight prisms")
         reasons.append("sheets of Dove prisms turn or mirror it")
-    if moves and not (parts and parts[0] != "straight prisms"):
+    if not within(abs(shift).max()):
         if curl > 1e-6:
             parts.append("wedges that change with the place")
             reasons.append(
                 "what it adds to the slope has a curl, which no surface makes: small wedges do, piece by piece"
             )
         else:
-            parts.append("a lens" if depends else "a wedge")
+            parts.append("a wedge" if within(np.ptp(shift, axis=0).max()) else "a lens")
             reasons.append("what it adds to the slope has no curl: one surface makes it, for small angles")
     return Buildable(" and ".join(parts), "; ".join(reasons), LAWS_PAGE)

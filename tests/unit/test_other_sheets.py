@@ -277,7 +277,12 @@ def test_captions_name_the_parameters_in_words():
         ("-y - Y*z/9, x, z", "straight prisms and wedges that change with the place"),
         ("x/2, -y/3, z", "lenslets and straight prisms"),
         ("-x/2, -y/2, z", "lenslets"),
-        ("2*x - X*z, 2*y - Y*z, z", "lenslets that change with the place"),
+        ("2*x - X*z, 2*y - Y*z, z", "lenslets and a lens"),
+        ("x/2 + 0.1*z, y/2, z", "lenslets and a wedge"),
+        ("-y - X*z/4, x - Y*z/4, z", "straight prisms and a lens"),
+        ("0.8776*x - 0.4794*y, 0.4794*x + 0.8776*y, z", "straight prisms"),  # rounded
+        ("0.8776*x - 0.4794*y - X*z/4, 0.4794*x + 0.8776*y - Y*z/4, z", "straight prisms and a lens"),
+        ("0.999*x, 0.999*y, z", "lenslets"),
         ("x, x, z", "nothing known"),
         ("x*(1 + X*X), y, z", "nothing known"),
         ("x, y, z + x/5", "nothing known"),
@@ -287,3 +292,5 @@ def test_captions_name_the_parameters_in_words():
 def test_what_can_be_built_follows_from_the_law(law, parts):
     found = Chess(sheet="law", law=law).sheets[0].buildable()
     assert found.parts == parts and found.reason and found.page.startswith("docs/")
+    assert ("the law differs from this by up to " in found.reason) == ("0.8776" in law)
+    assert ("concave" in found.reason) == law.startswith(("x/2 +", "2*x", "0.999"))
