@@ -8,6 +8,7 @@ ENTRIES = f"""@software{{povgen,
   title = {{povgen: POV-Ray scenes and movies of Dove-prism sheets that rotate the direction of light rays}},
   author = {{{{The povgen authors}}}},
   version = {{{__version__}}},
+  year = {{2026}},
   url = {{{HOME}}},
 }}
 

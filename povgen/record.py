@@ -2,7 +2,8 @@
 
 A record is its format and checksum, and then JSON. It is in a part of a PNG file (iTXt), in an attribute of an EXR
 file's header, in a GIF's comment, in a box of an MP4 file (uuid), in a tag of a WebM file, in a part (PVGN) of a WebP
-file, in a comment of a PDF file or of a text (`COMMENTS`), and under a name of JSON. `save` writes it into every other
+file, in a comment of a PDF file or of a text (`COMMENTS`), and under a name of JSON, which is an attribute of a netCDF
+file. `save` writes it into every other
 file that povgen makes. A file can be a stranger's: every value in it is checked, and nothing is run.
 """
 
@@ -45,6 +46,7 @@ NAME = b"povgen"  # of the part that holds a record
 # how these files begin
 PNG, EXR, GIF, WEBM = b"\x89PNG\r\n\x1a\n", b"v/1\x01", b"GIF8", b"\x1aE\xdf\xa3"
 RIFF, PDF, GLB = b"RIFF", b"%PDF", b"glTF"
+NETCDF = b"\x89HDF", b"CDF"
 # the texts of which a comment, at the end, is the record: by their endings, what stands before and after it
 COMMENTS = {
     **dict.fromkeys((".csv", ".txt", ".obj"), (b"# ", b"\n")),
@@ -65,7 +67,7 @@ OWN = re.compile(
     rb"|method,antialias,width,height,CPU s,|!\[[^\n]*\]\(figure[1-6]\.png\)\n",
     re.DOTALL,
 )
-KINDS = "a PNG, EXR, MP4, WebM, WebP, GIF, SVG, PDF, CSV, JSON, HTML, OBJ, GLB or .pov file that povgen wrote"
+KINDS = "a PNG, EXR, MP4, WebM, WebP, GIF, SVG, PDF, CSV, JSON, HTML, OBJ, GLB, netCDF or .pov file that povgen wrote"
 
 
 class Record(Model):
@@ -214,7 +216,8 @@ def info(path: str | Path) -> Record:
     except (OSError, ValueError) as error:  # ValueError: NUL in the name
         raise InputError(f"{name}: {getattr(error, 'strerror', error)}; allowed: {KINDS}") from None
     if found is None:
-        raise InputError(f"{name}: without a record of how it was made; allowed: {KINDS}")
+        why = "an STL file has no room for a" if path.suffix.lower() == ".stl" else "without a"
+        raise InputError(f"{name}: {why} record of how it was made; allowed: {KINDS}")
     form, checksum, text = found
     if form > FORMAT:
         raise InputError(f"{name}: the record of a newer povgen, of format {form}; allowed: up to {FORMAT}")
@@ -262,7 +265,7 @@ def _found(path: Path) -> tuple[int, int, str] | None:
         raise ValueError("no regular file")
     with open(path, "rb") as file:
         head = file.read(12)
-        is_binary = head.startswith((PNG, EXR, GIF, WEBM, RIFF, PDF, GLB)) or head[4:8] == b"ftyp"
+        is_binary = head.startswith((PNG, EXR, GIF, WEBM, RIFF, PDF, GLB, *NETCDF)) or head[4:8] == b"ftyp"
         if not head or not (is_binary or path.suffix.lower() in (*COMMENTS, ".json")):
             return None
         with mmap(file.fileno(), 0, access=ACCESS_READ) as data:
@@ -329,7 +332,7 @@ def _with_record(made: bytes, suffix: str) -> bytes:
             line = _headed(record.split(b"\n", 1)[1].replace(b"--", rb"-\u002d")).replace(b"\n", b" ")
         return made + before + line + after
     if suffix == ".json":
-        return _as_object(record)[:-1] + b"," + made.lstrip()[1:]
+        return as_object(record)[:-1] + b"," + made.lstrip()[1:]
     if made.startswith(PNG):  # behind the header
         return made[:33] + _png_part(b"iTXt", NAME + bytes(5) + record) + made[33:]
     if made.startswith(PDF):  # behind the table of objects, which states their places
@@ -337,14 +340,14 @@ def _with_record(made: bytes, suffix: str) -> bytes:
         return made[:start] + b"% " + line + b"\n" + made[start:]
     if made.startswith(GLB):  # a header, and then JSON, with spaces at its end
         end = 20 + int.from_bytes(made[12:16], "little")
-        tree = b'{"extras":' + _as_object(record) + b"," + made[21:end]
+        tree = b'{"extras":' + as_object(record) + b"," + made[21:end]
         tree += b" " * (-len(tree) % 4)
         rest = struct.pack("<I", len(tree)) + made[16:20] + tree + made[end:]
         return made[:8] + struct.pack("<I", 12 + len(rest)) + rest
     return f"povgen {__version__}, {HOME}".ljust(80).encode() + made[80:] if suffix == ".stl" else made
 
 
-def _as_object(record: bytes) -> bytes:
+def as_object(record: bytes) -> bytes:
     """Return a record as an object of JSON."""
     return b'{"%b":%b}' % (*record.split(b"\n", 1),)
 

@@ -1,6 +1,5 @@
 """What `results` returns: the columns of a table, which can also be a dataset of xarray."""
 
-import json
 from collections.abc import Mapping
 from math import prod
 from typing import Any
@@ -12,7 +11,7 @@ from povgen import remedies
 from povgen.citation import CITE, ENTRIES
 from povgen.errors import InputError
 from povgen.optics.faces import Indices
-from povgen.record import Record, command
+from povgen.record import Record, as_object, command
 from povgen.scene.quantities import QUANTITIES, RAYS, SHARES, unit
 from povgen.scene.scene import Scene
 from povgen.version import __version__
@@ -48,7 +47,7 @@ class Table(dict[str, NDArray[Any]]):
 
         frames = [] if self.scene is None else [{"scene": self.scene.name, **self.scene.model_dump(mode="json")}]
         record = Record(povgen=__version__, cite=CITE, command=self.command, **({"frames": frames} if frames else {}))
-        about = {"source": f"povgen {__version__}", "references": ENTRIES, "record": json.dumps(record.stated)}
+        about = {"source": f"povgen {__version__}", "references": ENTRIES, "record": as_object(bytes(record)).decode()}
         axes = _axes(self.parameters, len(next(iter(self.values()))))
         variables: dict[str, tuple[list[str], NDArray[Any], dict[str, str]]] = {}
         for name, column in self.items():

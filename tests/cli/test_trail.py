@@ -78,6 +78,7 @@ def test_every_file_has_its_record(name, arguments, files, tmp_path, nothing_mea
     for file in files.split():
         if file.endswith(".stl"):
             assert (tmp_path / file).read_bytes()[:80].rstrip() == f"povgen {__version__}, {HOME}".encode()
+            assert "an STL file has no room for a record" in povgen(["info", file], tmp_path)[2]
             continue
         found = json.loads(povgen(["info", file], tmp_path)[1])
         assert found["povgen"] == __version__ and found["cite"] == CITE and HOME in CITE

@@ -13,10 +13,9 @@ import pandas
 import pytest
 import xarray
 
-from povgen import Chess, Eye, InputError, Room, Sphere, Spheres, Window, results, stopping
+from povgen import Chess, Eye, InputError, Room, Sphere, Spheres, Window, info, results, stopping
 from povgen.inputs import mesh
 from povgen.optics import equations, series
-from povgen.record import Record
 from povgen.rendering import parallel, survey_cache
 from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
@@ -230,7 +229,9 @@ def test_a_dataset(tmp_path, monkeypatch):
         assert float(data.designed_error.sel(prisms=10, glass="N-SF11")) == pytest.approx(np.sqrt(p * (1 - p) / 10_000))
         assert data.designed.attrs["ancillary_variables"] == "designed_error" and "nu_error" not in data
         assert data.nu.attrs == {"units": "degrees", "long_name": "the angle by which it appears turned"}
-        record = Record(**json.loads(data.attrs["record"]))
+        (stated,) = json.loads(data.attrs["record"]).values()
+        record = info(tmp_path / "study.nc")
+        assert record.stated == stated
         assert of_record(record) == [scene.replace(glass="BK7")] and "povgen cite" in record.cite
         assert record.command.startswith("povgen.results(Chess(prisms=30), 'designed', 'nu', prisms=(30, 10, 20)")
         assert "Local light-ray rotation" in data.attrs["references"] and data.attrs["source"].startswith("povgen 0.")
