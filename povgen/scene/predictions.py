@@ -3,6 +3,8 @@
 z1 is the distance of an object from the middle plane of the last window.
 """
 
+from __future__ import annotations  # help() then says ArrayLike
+
 from math import inf
 
 import numpy as np

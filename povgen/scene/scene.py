@@ -3,6 +3,8 @@
 Lengths are in tiles (the side of a floor tile), angles in degrees. x points right, y up and z away from the eye.
 """
 
+from __future__ import annotations  # help() then says ArrayLike
+
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache

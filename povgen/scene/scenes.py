@@ -4,6 +4,8 @@ Lengths and angles are as in `povgen.scene.model`. z1 is the distance of an obje
 window.
 """
 
+from __future__ import annotations  # help() then says ArrayLike
+
 from cmath import isfinite
 from collections.abc import Iterable, Sequence
 from functools import cached_property

@@ -154,7 +154,9 @@ def test_a_copy_with_changes():
         assert copied == scene
 
 
-@pytest.mark.parametrize("function", [povgen.Bundle, povgen.fit, povgen.irradiance, povgen.mtf])
+@pytest.mark.parametrize(
+    "function", [povgen.Bundle, povgen.fit, povgen.irradiance, povgen.mtf, Chess.seen, Chess.spot, Room.images]
+)
 def test_help_names_types_in_short(function):
     assert "numpy." not in str(inspect.signature(function))
 
