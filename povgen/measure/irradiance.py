@@ -22,8 +22,6 @@ from povgen.rendering.frames import read_png
 from povgen.rendering.light import linear
 from povgen.scene.scene import Scene, checked_scene
 
-Source = ArrayLike | Card
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Irradiance(Values):
@@ -54,7 +52,7 @@ class Irradiance(Values):
 @input_errors()
 def irradiance(
     scene: Scene,
-    source: Source,
+    source: ArrayLike | Card,
     z: float,
     *,
     diameter: float = 0,
@@ -126,7 +124,7 @@ def _checked(name: str, values: Any, count: int) -> Any:  # noqa: ANN401
 
 
 def _emitted(
-    openings: Sequence[Opening], source: Source, diameter: float, count: int, rng: Generator
+    openings: Sequence[Opening], source: ArrayLike | Card, diameter: float, count: int, rng: Generator
 ) -> tuple[Bundle, Floats, Indices]:
     """Return rays to random points of the windows, the power of each times their number (n, c), and its window (n,).
 
@@ -149,7 +147,7 @@ def _emitted(
     return Bundle(start, way), light * (solid / far**3)[:, None], window  # in steradians
 
 
-def _source(source: Source, diameter: float, count: int, rng: Generator) -> tuple[Floats, Floats, Floats]:
+def _source(source: ArrayLike | Card, diameter: float, count: int, rng: Generator) -> tuple[Floats, Floats, Floats]:
     """Return random points of a source (n, 3), the light of each (n, c), and a card's normal (3,)."""
     u, v = rng.uniform(size=(2, count))
     if isinstance(source, Card):
