@@ -80,12 +80,7 @@ def irradiance(
         raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
     if diameter < 0:
         raise ValueError(f"diameter = {diameter:g}: allowed: 0 or more")
-    if not scene.openings:
-        raise ValueError("scene: no windows; allowed: a scene with a window")
-    for opening in scene.openings:
-        depth = opening.deep.frame / 2 * abs(opening.pose.axes[2][2])
-        if abs(z - opening.pose.z) < depth:
-            raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")
+    _check_windows(scene.openings, z)
     colours = 3 if isinstance(source, Card) else 1
     sums, squares = np.zeros((2, 2 * height * width, colours))  # of rays' powers: first of designed light
     power = np.zeros((2, colours))  # that enters, that leaves
@@ -113,6 +108,16 @@ def irradiance(
     pixel_area = (right - left) / width * (top - bottom) / height
     designed, stray, error = (each / pixel_area for each in (*parts, error))
     return Irradiance(designed, stray, error, (left, right, bottom, top), *power[:, every])
+
+
+def _check_windows(openings: Sequence[Opening], z: float) -> None:
+    """Raise ValueError if there is no window, or if a window's frame is on both sides of the plane z."""
+    if not openings:
+        raise ValueError("scene: no windows; allowed: a scene with a window")
+    for opening in openings:
+        depth = opening.deep.frame / 2 * abs(opening.pose.axes[2][2])
+        if abs(z - opening.pose.z) < depth:
+            raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")
 
 
 def _checked(name: str, values: Any, count: int) -> Any:  # noqa: ANN401

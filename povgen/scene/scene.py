@@ -156,11 +156,6 @@ class Scene(Model):
         return False
 
     @property
-    def is_empty(self) -> bool:
-        """Whether no window has a sheet."""
-        return {sheet.name for sheet in self.sheets} <= {"none"}
-
-    @property
     def named_openings(self) -> dict[str, Opening]:
         """The windows by their names: window1, window2, ..., where they have no own ones."""
         return {f"window{n}": opening for n, opening in enumerate(self.openings, 1)}
@@ -242,6 +237,11 @@ def checked_class(scene: Scene, what: str) -> None:
     """Raise InputError if the scene is not of povgen's own classes, which are all that `what` knows."""
     if type(scene) not in SCENES.values():
         raise InputError(f"scene = {shown(scene)}: {what} does not know this class; allowed: {classes()}")
+
+
+def is_empty(scene: Scene) -> bool:
+    """Return whether no window has a sheet."""
+    return {sheet.name for sheet in scene.sheets} <= {"none"}
 
 
 def checked_scenes(scenes: Iterable[object], most: int) -> list[Scene]:

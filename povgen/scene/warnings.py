@@ -18,7 +18,7 @@ from povgen.optics import uncertainty
 from povgen.optics.rays import MOST_CROSSINGS
 from povgen.optics.trace import End
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
-from povgen.scene.scene import Scene
+from povgen.scene.scene import Scene, is_empty
 from povgen.scene.scenes import AxialScene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
@@ -136,7 +136,7 @@ def _things(scene: Scene) -> str:
 
 def _no_light(scene: AxialScene, rendering: Rendering | None) -> Iterator[tuple[str, str]]:
     """Yield a warning if no light passes the ideal windows, and one for each object that the overlay cannot mark."""
-    if scene.is_empty:
+    if is_empty(scene):
         return
 
     if scene.ideal and is_dark(scene):

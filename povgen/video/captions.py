@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from povgen.inputs.pieces import PIECES
 from povgen.optics import equations
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, unit
-from povgen.scene.scene import Scene, object_images
+from povgen.scene.scene import Scene, is_empty, object_images
 from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
@@ -332,7 +332,7 @@ def facts(scene: AxialScene) -> dict[str, str]:
         del texts["r"]
     if scene.window:
         texts = {"z": ", ".join(_number(z, ".4g") for z in scene.places) + tiles, **texts}
-    if scene.has_nu_and_M and not scene.is_empty:
+    if scene.has_nu_and_M and not is_empty(scene):
         nu, M = scene.nu_and_M(z1)
         texts = {**_values(scene), **texts, "nu": _range(nu, ".1f", "°"), "M": _range(M)}
     if other:

@@ -14,7 +14,7 @@ from povgen.objects.scene_object import SceneObject
 from povgen.objects.sphere import Sphere
 from povgen.optics.faces import Floats
 from povgen.optics.paths import Paths
-from povgen.scene.scene import Scene, paths
+from povgen.scene.scene import Scene, is_empty, paths
 from povgen.scene.scenes import AxialScene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
@@ -241,14 +241,14 @@ def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
     windows = [Thing(name, opening.edge, SHEET) for name, opening in zip(names, scene.openings, strict=True)]
     if names == ["window1"]:
         sheet = scene.sheets[0]
-        word = "window" if scene.is_empty else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
+        word = "window" if is_empty(scene) else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
         windows = [windows[0]._replace(name=word)]
     solid = [each for each in scene.contents if np.ptp(each.box)]
     objects = [_object(each) for each in solid if np.linalg.norm(each.pose.place - eye) <= most]
     farther = sum(each.point is not None for each in solid) - sum(each.source is not None for each in objects)
     images: list[Thing] = []
     note = ""
-    if isinstance(scene, AxialScene) and not scene.is_empty:
+    if isinstance(scene, AxialScene) and not is_empty(scene):
         high = HIGHEST * max(abs(thing.around[:, :2]).max() for thing in windows + objects)
         images, note = _images(scene, [thing for thing in objects if thing.is_mark], most, high)
     return windows + images + objects, farther, note

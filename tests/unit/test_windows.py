@@ -9,6 +9,7 @@ from povgen.liveview.values import values as live_values
 from povgen.measure import probes
 from povgen.optics import apparent, series, trace
 from povgen.scene import survey
+from povgen.scene.scene import is_empty
 from povgen.scene.windows import FurtherWindow
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
@@ -25,7 +26,7 @@ def test_a_window_is_text_a_table_or_a_window():
             assert scene.window == (FurtherWindow(alpha=-50, z=2),)
             assert (scene.alphas, scene.places, scene.behind) == ((66, -50), (0, 2), ((2, pytest.approx(-0.872665)),))
     assert [sheet.name for sheet in Chess(**MIXED).sheets] == ["ideal", "ideal", "detailed"]
-    assert len(Chess(**MIXED).ideal) == 2 and Chess(sheet="none", window="z=1,alpha=3").is_empty
+    assert len(Chess(**MIXED).ideal) == 2 and is_empty(Chess(sheet="none", window="z=1,alpha=3"))
 
 
 def test_a_windows_text_can_have_several_numbers_of_a_table():
