@@ -6,7 +6,7 @@ from typing import Any
 from povgen.errors import InputError
 from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import File, as_png
-from povgen.optics.rays import Opening
+from povgen.optics.opening import Opening
 from povgen.scene import shader
 from povgen.scene.pupil import inverse_focus
 from povgen.scene.room import Room

@@ -15,7 +15,8 @@ from povgen.inputs.fields import PictureSize
 from povgen.objects.card import Card
 from povgen.optics.equations import Complexes, Floats, real
 from povgen.optics.faces import Booleans, Indices
-from povgen.optics.rays import LARGEST, MOST, Bundle, Opening, Traced, checked_count
+from povgen.optics.opening import Opening
+from povgen.optics.rays import LARGEST, MOST, Bundle, Traced, checked_count
 from povgen.optics.trace import CHUNK, End
 from povgen.optics.values import Values
 from povgen.rendering.frames import read_png

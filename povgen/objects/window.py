@@ -6,8 +6,8 @@ from pydantic import Field
 
 from povgen.objects.placed import Extent, Placed
 from povgen.objects.sheet_fields import ParametersOfSheets, SheetName
+from povgen.optics.opening import Opening
 from povgen.optics.outline import Outline
-from povgen.optics.rays import Opening
 from povgen.sheets import SHEETS
 from povgen.sheets.sheet import Sheet
 
@@ -50,7 +50,7 @@ class Window(Placed, ParametersOfSheets):
 
     @property
     def opening(self) -> Opening:
-        """The window as in `optics.rays`."""
+        """The window as in `optics.opening`."""
         outline = Outline(self.width, self.height or self.width, self.outline == "round")
         return Opening(self.pose, self.optics, self.depth, outline, self.frame)
 

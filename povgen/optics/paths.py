@@ -16,8 +16,10 @@ from povgen.optics.apparent import nearest_rays
 from povgen.optics.camera import Camera
 from povgen.optics.equations import Complexes
 from povgen.optics.faces import Booleans, Floats, Indices
-from povgen.optics.rays import Bundle, Opening, nearest, slope_of_light
+from povgen.optics.opening import Opening
+from povgen.optics.rays import Bundle
 from povgen.optics.values import Values
+from povgen.optics.window_trace import nearest, slope_of_light
 
 MOST = 6  # windows on a path
 STARTS = 2  # rays from which a path through a sequence of windows is searched for

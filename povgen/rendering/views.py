@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from povgen.errors import InputError, shown
 from povgen.inputs.hdr import encoded
 from povgen.optics.camera import Vector
-from povgen.optics.rays import Opening
+from povgen.optics.opening import Opening
 from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
 from povgen.scene import polarisers, pupil, white

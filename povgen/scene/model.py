@@ -17,9 +17,9 @@ from povgen.inputs.fields import Point
 from povgen.objects.sheet_fields import ParametersOfSheets, SheetName
 from povgen.optics import apparent
 from povgen.optics.camera import Camera
+from povgen.optics.opening import Opening
 from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
-from povgen.optics.rays import Opening
 from povgen.scene.scene import Scene
 from povgen.scene.windows import WINDOW, FurtherWindow, Windows, as_windows, replaced_by
 from povgen.sheets import SHEETS
@@ -148,7 +148,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
 
     @property
     def openings(self) -> list[Opening]:
-        """The windows as in `optics.rays`."""
+        """The windows as in `optics.opening`."""
         return [Opening(Pose(z=z), sheet, self.depth) for z, sheet in zip(self.places, self.sheets, strict=True)]
 
     @property

@@ -16,7 +16,7 @@ from povgen.objects.placed import Coordinate, Placed
 from povgen.objects.scene_object import SceneObject
 from povgen.objects.window import Window
 from povgen.optics.camera import Camera
-from povgen.optics.rays import Opening
+from povgen.optics.opening import Opening
 from povgen.scene import checks, files, traced_rays
 from povgen.scene.scene import Scene
 from povgen.scene.white import WHITE

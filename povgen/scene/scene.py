@@ -24,8 +24,10 @@ from povgen.objects.scene_object import SceneObject
 from povgen.objects.window import RIM
 from povgen.optics.camera import Camera
 from povgen.optics.equations import real
+from povgen.optics.opening import Opening
 from povgen.optics.paths import Image, Paths
-from povgen.optics.rays import AT_ONCE, Bundle, Opening, Traced, trace_windows
+from povgen.optics.rays import AT_ONCE, Bundle, Traced
+from povgen.optics.window_trace import trace_windows
 from povgen.record import Record, in_use, info
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import WAVELENGTH
@@ -96,7 +98,7 @@ class Scene(Model):
 
     @property
     def openings(self) -> Sequence[Opening]:
-        """The windows as in `optics.rays`, with the sheet in each."""
+        """The windows as in `optics.opening`, with the sheet in each."""
         raise NotImplementedError
 
     @property

@@ -12,10 +12,10 @@ from povgen.inputs.pictures import File, Picture
 from povgen.objects.board import Board, stacked
 from povgen.objects.scene_object import SceneObject
 from povgen.optics.faces import GlassSheet
+from povgen.optics.opening import Opening
 from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
-from povgen.optics.rays import Opening
 from povgen.scene.laws import Text, to_live
 from povgen.scene.pupil import distance, inverse_focus
 from povgen.scene.scene import Scene

@@ -13,8 +13,10 @@ from povgen.limits import MAX_FACES, MAX_LOST_FRACTION
 from povgen.optics import trace
 from povgen.optics.camera import Vector
 from povgen.optics.faces import Floats, Indices
+from povgen.optics.opening import Opening
 from povgen.optics.paths import DesignedLight
-from povgen.optics.rays import Bundle, Opening, Traced, trace_windows
+from povgen.optics.rays import Bundle, Traced
+from povgen.optics.window_trace import trace_windows
 from povgen.scene.scene import Scene
 
 

@@ -21,7 +21,8 @@ from povgen.limits import MAX_FACES
 from povgen.optics.camera import Camera, Size
 from povgen.optics.equations import Floats
 from povgen.optics.faces import Indices
-from povgen.optics.rays import Opening, paths
+from povgen.optics.opening import Opening
+from povgen.optics.window_trace import paths
 from povgen.sheets.none import NoSheet
 from povgen.version import __version__
 

@@ -15,8 +15,8 @@ from povgen.limits import (
     moire_alpha,
 )
 from povgen.optics import uncertainty
-from povgen.optics.rays import MOST_CROSSINGS
 from povgen.optics.trace import End
+from povgen.optics.window_trace import MOST_CROSSINGS
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
 from povgen.scene.scene import Scene, is_empty
 from povgen.scene.scenes import AxialScene, pieces

@@ -28,7 +28,7 @@ from povgen import (
     save,
 )
 from povgen.cli.report import warn
-from povgen.optics import rays
+from povgen.optics import window_trace
 from povgen.rendering.views import views
 from povgen.scene.room import OF_MOVIES
 from povgen.scene.warnings import warnings
@@ -347,7 +347,7 @@ def test_warnings_of_a_room(capsys, tmp_path, monkeypatch):
     }
     two = Room([Window(), Window(z=1)])
     assert not [*warnings(two)]
-    monkeypatch.setattr(rays, "MOST_CROSSINGS", 1)
+    monkeypatch.setattr(window_trace, "MOST_CROSSINGS", 1)
     ((name, text),) = warnings(two)
     share = float(re.search(r"([0-9.]+) % of the picture is black", text)[1])
     assert name == "window" and 10 < share < 60

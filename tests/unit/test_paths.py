@@ -10,8 +10,8 @@ from povgen.objects.window import Window
 from povgen.optics.camera import Camera
 from povgen.optics.paths import Paths
 from povgen.optics.pose import Pose
-from povgen.optics.rays import trace_windows
 from povgen.optics.trace import End
+from povgen.optics.window_trace import trace_windows
 from povgen.scene.room import Eye, Room
 
 PRESETS = [

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from povgen.optics.opening import Opening
 from povgen.optics.pose import Pose
-from povgen.optics.rays import Bundle, Opening, paths, trace_windows
+from povgen.optics.rays import Bundle
 from povgen.optics.trace import End
+from povgen.optics.window_trace import paths, trace_windows
 from povgen.sheets import IDEAL, SHEETS
 
 
@@ -72,7 +74,7 @@ def test_rays_that_are_followed_in_parts_are_the_same(rng, monkeypatch):
     for _ in range(3):
         windows, rays = random_room(rng, [*IDEAL])
         whole, legs = vars(trace_windows(rays, windows, path=True)), paths(rays, windows, 60)
-        monkeypatch.setattr("povgen.optics.rays.PART", 7)
+        monkeypatch.setattr("povgen.optics.window_trace.PART", 7)
         for name, values in vars(trace_windows(rays, windows, path=True)).items():
             np.testing.assert_allclose(values, whole[name], atol=1e-12)
         for leg, part in zip(legs, paths(rays, windows, 60), strict=True):

@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 
 from povgen.optics import apparent, equations, series
 from povgen.optics.faces import GlassSheet
+from povgen.optics.opening import Opening
 from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
-from povgen.optics.rays import Bundle, Opening, trace_windows
+from povgen.optics.rays import Bundle
 from povgen.optics.trace import pair, trace
+from povgen.optics.window_trace import trace_windows
 from povgen.sheets.rotation import Rotation
 
 ANGLE = st.floats(-2 * np.pi, 2 * np.pi)
