@@ -21,6 +21,7 @@ from povgen.errors import TransientError
 from povgen.measure import verify_gl
 from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions
+from povgen.optics.profile import Profile
 from povgen.optics.trace import End
 from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
 from povgen.rendering.views import check_gl
@@ -170,8 +171,9 @@ def test_rays_of_ones_own_agree_with_the_ray_trace(scene, rng):
         same = (other.orders == exact.orders).all(-1) & (other.windows[..., 0] == exact.windows[..., 0])
         for name in ("end", "count", "designed", "last"):
             same &= getattr(other, name) == getattr(exact, name)
-        # numpy moves a ray that meets the frame on to the next face, or to the border between lenses
-        same &= (off(other, "direction") < 1e-3) & ((off(other, "position") < 1e-3) | (exact.end == End.FRAME))
+        # the outer lenses end at the frame: rounding decides whether a ray goes on to the next border
+        unsure = (exact.end == End.FRAME) & isinstance(scene.layered[0].shape, Profile)
+        same &= (off(other, "direction") < 1e-3) & ((off(other, "position") < 1e-3) | unsure)
         return 1 - same.mean()
 
     assert {End.THROUGH, End.BACK, End.FRAME, End.BESIDE} <= {*exact.end.flat}
