@@ -243,14 +243,16 @@ Passage passage(Passage ray, int number) {
       }
       glass = !glass;
     }
-    if (ray.faces >= maxFaces) {
-#ifdef PATH
-      p = place + vec3(0, 0, sheetCentres[2 * number + at] / pitch);
-      d = axes * vec3(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y, d.z);
-#endif
-      break;
-    }
+    if (ray.faces >= maxFaces) break;
   }
+#ifdef PATH
+  if (ray.end == UNFINISHED && !between) {  // it ends in a sheet
+    p.y += cell + firstBase;
+    p = axes * vec3(turn.x * p.x - turn.y * p.y, turn.y * p.x + turn.x * p.y, p.z);
+    p.z += sheetCentres[2 * number + at] / pitch;
+    d = axes * vec3(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y, d.z);
+  }
+#endif
   ray.position = p * pitch;
   ray.direction = normalize(d);
   return ray;

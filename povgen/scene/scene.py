@@ -210,9 +210,9 @@ class Scene(Model):
         generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
         Otherwise reflection is only total. With `path`, the result has the rays' whole paths: their `corners`, optical
         `length`, `jones` matrices and a `table`. With `device="gl"`, the graphics library follows rays through prisms
-        and lenses, with numbers of 32 bits, and `faces` is then empty. Raises InputError for a ray that starts inside a
-        window's sheets, for a `max_faces` that is not a whole number from 1 to 100,000, and for what gl does not do:
-        `partial`, `path`, and sheets of unequal prisms or lenses.
+        and lenses, with numbers of 32 bits: for at most 1000 steps from face to face in a window, and `faces` is empty.
+        Raises InputError for a ray that starts inside a window's sheets, for a `max_faces` that is not a whole number
+        from 1 to 100,000, and for what gl does not do: `partial`, `path`, and sheets of unequal prisms or lenses.
         """
         if device not in ("numpy", "gl"):
             raise ValueError(f"device = {shown(device)}: allowed: 'numpy' or 'gl'")
