@@ -145,7 +145,7 @@ class AxialScene(Predicted):
     def _check_eye_and_windows(self) -> Self:
         checks.check(self)
         if "view" not in self.model_fields_set:
-            object.__setattr__(self, "view", self.default_view)  # the model is frozen
+            object.__setattr__(self, "view", self.default_view())  # the model is frozen
         return self
 
 
