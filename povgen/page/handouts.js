@@ -7,7 +7,8 @@ import { drawOther, savedAs, view } from "./picture.js";
 import { qr } from "./qr.js";
 import { svg } from "./shapes.js";
 
-export const link = () => location.href.replace(/#.*|$/, "") + toHash();
+export const page = () => location.href.replace(/#.*/, "");  // the page's address
+const link = () => page() + toHash();
 
 // Put a text on the clipboard. Where the browser does not allow it, the text is shown, and chosen.
 async function copy(text) {

@@ -1,7 +1,7 @@
 // A teacher's panel: what such windows are good for, the steps of a lesson, and a sheet of tasks to print.
 
 import { $, element } from "./data.js";
-import { drawCode, link, printed, printPicture } from "./handouts.js";
+import { drawCode, page, printed, printPicture } from "./handouts.js";
 import { entry, marked, quantity, say, spoken, SYMBOL } from "./language.js";
 import { moment } from "./moment.js";
 import { ask, choices, QUESTIONS } from "./questions.js";
@@ -25,7 +25,8 @@ function settingLink(setting) {
   const numbers = Object.keys(setting).filter((name) => name in SYMBOL).map((name) => `${SYMBOL[name]} = ${quantity(name, setting[name])}`);
   const parts = question ? [ask(asked(question))] : [say(`kinds.${sheet}.choice`), ...numbers, ...(light ? [say(`light.show.${light}`)] : [])];
   const language = spoken.asked ? { language: spoken.language } : {};
-  return element("a", { href: `#${new URLSearchParams({ ...setting, ...language })}`, textContent: parts.join(", ") });
+  const href = `${page()}#${new URLSearchParams({ ...setting, ...language })}`;
+  return element("a", { href, textContent: parts.join(", ") });
 }
 
 function drawLesson() {
@@ -37,7 +38,7 @@ function drawLesson() {
     const links = [...shows, ...asks.map((question) => ({ question }))].map((setting) => element("li", {}, settingLink(setting)));
     return element("tr", {},
       element("td", { textContent: `${from}–${minute}` }),
-      element("td", {}, element("b", { textContent: title }), element("p", { textContent: say("teaching.believed", { what: believed }) }), element("ul", {}, ...links)));
+      element("td", {}, element("b", { textContent: title }), ...(believed ? [element("p", { textContent: say("teaching.believed", { what: believed }) })] : []), element("ul", {}, ...links)));
   });
   $("lesson-steps").replaceChildren(...rows);
 }
@@ -55,7 +56,7 @@ function drawTasks() {
   $("task-measured").replaceChildren(...["<i>ν</i> =", "<i>M</i> ="].map(blank));
   $("task-picture").src = printed.src;
   $("task-code").hidden = !drawCode($("task-code").firstElementChild);
-  $("task-address").textContent = location.host ? link().split("#")[0] : "";
+  $("task-address").textContent = location.host ? page() : "";
 }
 
 $("teach-open").addEventListener("click", () => {
