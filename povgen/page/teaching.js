@@ -9,12 +9,12 @@ import { settingSaid } from "./text.js";
 
 // The steps of the lesson: their minutes, what the page shows in each, and the names of the questions that it asks.
 const STEPS = [
-  { minutes: 5, shows: [{ sheet: "none" }], asks: [] },
-  { minutes: 7, shows: [{ sheet: "single", light: "prism", show: "large" }, { sheet: "single" }], asks: ["sky"] },
-  { minutes: 7, shows: [{ sheet: "ideal", alpha: 0 }], asks: ["near"] },
-  { minutes: 7, shows: [{ sheet: "ideal", alpha: 180 }, { sheet: "ideal", alpha: 180, light: "pencil", show: "large" }], asks: ["parallax"] },
-  { minutes: 14, shows: [{ sheet: "ideal", alpha: 90, z1: 6 }, { sheet: "ideal", alpha: 90, z1: 2 }], asks: ["far"] },
-  { minutes: 5, shows: [12, 300].map((prisms) => ({ sheet: "detailed", alpha: 66, prisms })), asks: [] },
+  { name: "predict", minutes: 5, shows: [{ sheet: "none" }], asks: [] },
+  { name: "prism", minutes: 7, shows: [{ sheet: "single", light: "prism", show: "large" }, { sheet: "single" }], asks: ["sky"] },
+  { name: "mirrors", minutes: 7, shows: [{ sheet: "ideal", alpha: 0 }], asks: ["near"] },
+  { name: "air", minutes: 7, shows: [{ sheet: "ideal", alpha: 180 }, { sheet: "ideal", alpha: 180, light: "pencil", show: "large" }], asks: ["parallax"] },
+  { name: "distance", minutes: 14, shows: [{ sheet: "ideal", alpha: 90, z1: 6 }, { sheet: "ideal", alpha: 90, z1: 2 }], asks: ["far"] },
+  { name: "say", minutes: 5, shows: [12, 300].map((prisms) => ({ sheet: "detailed", alpha: 66, prisms })), asks: [] },
 ];
 const unbroken = (text) => text.replaceAll(" = ", "\u00a0=\u00a0");
 const asked = (name) => QUESTIONS.find((question) => question.name === name);
@@ -31,8 +31,8 @@ function settingLink(setting) {
 
 function drawLesson() {
   let minute = 0;
-  const rows = STEPS.map(({ minutes, shows, asks }, n) => {
-    const { title, believed } = entry("teaching.steps")[n];
+  const rows = STEPS.map(({ name, minutes, shows, asks }) => {
+    const { title, believed } = entry(`teaching.steps.${name}`);
     const from = minute;
     minute += minutes;
     const links = [...shows, ...asks.map((question) => ({ question }))].map((setting) => element("li", {}, settingLink(setting)));
