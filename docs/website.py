@@ -27,8 +27,12 @@ PROJECT = Path(__file__).parents[1]
 # the pages of each part, in the order of the menu
 CONTENTS = {
     "Begin": [
+        "docs/terms",
         "docs/install",
         "docs/usage",
+        "docs/page",
+        "docs/own",
+        "docs/python",
         "docs/rooms",
         "docs/examples",
         "docs/rays",
@@ -186,9 +190,7 @@ def _with_settings(text: str, page: Path) -> str:
 
 def _with_menu(text: str, pages: set[Path]) -> str:
     """Return the README with a link to the live page, and with the menu of all other pages."""
-    text = text.replace(
-        "**See it at once:**", '**<a href="live.html">Open the live page</a>.**\n\n**See it at once:**', 1
-    )
+    text = text.replace("## Show it\n", '## Show it\n\n**<a href="live.html">Open the live page</a>.**\n', 1)
     listed = {name for names in CONTENTS.values() for name in names}
     more = sorted({page.with_suffix("").as_posix() for page in pages} - listed)
     parts = {**CONTENTS, **({"More": more} if more else {})}

@@ -80,6 +80,13 @@ void meetEdge(int number, bool glass, vec2 o, vec2 d, inout float t, inout int f
 
 uniform int maxFaces;           // as POV-Ray's max_trace_level: a ray that meets as many is dark
 
+#ifdef PATH  // for rays.glsl, which asks for the designed path
+uniform int designedPath[PATH];  // the faces, or the edges of a profile, that a ray to greater z meets
+int pathPlace, pathStep;         // of the next face on the designed path, and of the one after
+bool onPath = true;
+vec2 orders = vec2(0);           // for each sheet: the cell of the last lens, minus that of the first
+#endif
+
 mat3 axesOf(int sheet) { return mat3(sheetAxes[3 * sheet], sheetAxes[3 * sheet + 1], sheetAxes[3 * sheet + 2]); }
 
 // Follow a ray through the sheets of a window. It comes from outside. `ray.position` is any point of its line. Position and
@@ -98,6 +105,9 @@ Passage passage(Passage ray, int number) {
   mat3 axes = mat3(1);
   bool between = true, glass = false, dove = true;
   vec2 normal = vec2(0);
+#ifdef PATH
+  float firstCell = FAR, lastCell = FAR;  // in which the ray has met glass in its sheet
+#endif
 #ifdef PROFILE_EDGES
   dove = profileCounts[number] == 0;
 #endif
@@ -119,6 +129,10 @@ Passage passage(Passage ray, int number) {
       p += d * ((surface - p.z) / d.z);
       if (!isInWindow(number, pitch * (axes * p).xy)) {
         ray.end = FRAME;
+#ifdef PATH
+        p = axes * p + vec3(0, 0, sheetCentres[2 * number + at] / pitch);
+        d = axes * d;
+#endif
         break;
       }
       turn = sheetTurns[2 * number + at];
@@ -178,12 +192,18 @@ Passage passage(Passage ray, int number) {
       d = axes * vec3(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y, d.z);
       p = place;
       if (outside) {
+#ifndef PATH
         p -= d * min(beyondWindow(number, pitch * p.xy, d.xy) / pitch, t);
+#endif
         ray.end = FRAME;
       }
       p.z += sheetCentres[2 * number + at] / pitch;
       if (ray.end == FRAME) break;
       between = true;
+#ifdef PATH
+      if (!dove) orders[at] += lastCell - firstCell;
+      firstCell = lastCell = FAR;
+#endif
       at += d.z > 0.0 ? 1 : -1;
       continue;
     }
@@ -196,6 +216,12 @@ Passage passage(Passage ray, int number) {
     }
 #endif
     ray.faces++;
+#ifdef PATH
+    onPath = onPath && pathPlace >= 0 && pathPlace < PATH && face == designedPath[pathPlace];
+    pathPlace += pathStep;
+    lastCell = cell;
+    if (firstCell == FAR) firstCell = cell;
+#endif
     if (face == 2 && blackTops[number]) {
       ray.end = BLACKENED;
       break;
@@ -219,6 +245,14 @@ Passage passage(Passage ray, int number) {
     }
     if (ray.faces >= maxFaces) break;
   }
+#ifdef PATH
+  if (ray.end == UNFINISHED && !between) {  // it ends in a sheet
+    p.y += cell + firstBase;
+    p = axes * vec3(turn.x * p.x - turn.y * p.y, turn.y * p.x + turn.x * p.y, p.z);
+    p.z += sheetCentres[2 * number + at] / pitch;
+    d = axes * vec3(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y, d.z);
+  }
+#endif
   ray.position = p * pitch;
   ray.direction = normalize(d);
   return ray;

@@ -64,8 +64,7 @@ class _Probe(AxialScene):
     trace_level: int | None = None  # None: the level that povgen sets for the scene
     grid: int | None = None  # cells of the ideal sheet's camera; None: as many as povgen sets for the scene
 
-    @property
-    def default_view(self) -> float:
+    def default_view(self, shape: float = 4 / 3) -> float:  # noqa: ARG002
         return VIEW
 
     @property

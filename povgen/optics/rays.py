@@ -142,6 +142,9 @@ class Traced(_Lines, Rays):
     are as in `trace.Rays`. `windows` (..., crossings) are the numbers of the windows that the ray meets, in their
     order, and -1 after the last, or where a ray starts in a frame behind its sheet.
 
+    The graphics library (`Scene.trace(..., device="gl")`) does not say the faces: `faces` is then empty. Its positions
+    and directions have the precision of numbers of 32 bits.
+
     If the paths were kept, `corners`, `media` and `met` are their points: `ray_path`. Otherwise they are empty.
     """
 

@@ -4,7 +4,7 @@ The coordinates are those of `rays`. `trace.trace` follows rays through prisms. 
 meet it.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,6 +27,8 @@ MOST_FACES = 100_000
 PART = 16384  # rays that are followed at once through ideal sheets: their arrays stay in the processor's cache
 MOST_CROSSINGS = 100  # of windows, by one ray
 AWAY = 5e-5  # tiles: so far behind a sheet a ray that leaves it starts, for another tracer
+# follows rays (n, 3) through a window of prisms or lenses, in its coordinates, as `trace.trace` does
+Follow = Callable[[Floats, Floats, Opening, Indices], Rays]
 Bent = tuple[Indices, Floats, Floats, int]  # rays that an ideal sheet has bent: numbers, positions, directions, window
 
 
@@ -36,6 +38,7 @@ def trace_windows(
     most: int = 60,
     partial: np.random.Generator | None = None,
     path: bool = False,
+    follow: Follow | None = None,
 ) -> Traced:
     """Follow a bundle through windows that stand anywhere and do not overlap.
 
@@ -43,8 +46,9 @@ def trace_windows(
     both ways: a ray that meets an ideal sheet from behind takes the path of a ray from the front, backwards. A ray ends
     where it meets no further window (`End.BESIDE` if it has met none), after `most` faces of prisms or lenses, from 1
     to MOST_FACES, and after MOST_CROSSINGS windows. `partial` is as for `trace.trace`. With `path`, the rays' paths are
-    kept. Raises ValueError for arguments of other types, for rays that start in glass, or between the two sheets of a
-    window, and for more paths than `ray_path.MOST` allows.
+    kept. `follow` takes the place of `trace.trace`, without `partial` and `path`; the result then has no `faces`.
+    Raises ValueError for arguments of other types, for rays that start in glass, or between the two sheets of a window,
+    and for more paths than `ray_path.MOST` allows.
     """
     if not isinstance(rays, Bundle):
         raise ValueError(f"rays: {type(rays).__name__}; allowed: a Bundle, such as of rays() or pencil()")
@@ -55,7 +59,7 @@ def trace_windows(
     if not isinstance(partial, (np.random.Generator, type(None))):
         raise ValueError(f"partial = {partial!r}: allowed: a numpy.random.Generator, or None")
     most = checked_count("max_faces", most, MOST_FACES)
-    way = _way(rays, windows, most, partial, path)
+    way = _way(rays, windows, most, partial, path, follow=follow)
     n = len(way.rays.end)
     met = np.stack(way.met, 1) if way.met else np.empty((n, 0), np.int32)
     kept: Any = np.empty((n, 0, 3)), np.empty((n, 0)), np.empty((n, 0), int)
@@ -100,14 +104,15 @@ def _way(
     partial: np.random.Generator | None = None,
     path: bool = False,
     bent: list[Bent] | None = None,
+    follow: Follow | None = None,
 ) -> "_Way":
     """Return rays that have been followed to their ends."""
     sheets = [window.sheet.glass for window in windows]
     n, layers = int(np.prod(rays.shape)), sum(map(len, sheets))
     position, direction = (values.reshape(n, 3) for values in (rays.position, rays.direction))
-    found = Rays.starting(position, direction, most if layers else 0, layers)
+    found = Rays.starting(position, direction, most if layers and not follow else 0, layers)
     found.end[:], found.designed[:] = End.BESIDE, True
-    way = _Way(found, [window.deep for window in windows], sheets, most, partial, path, bent)
+    way = _Way(found, [window.deep for window in windows], sheets, most, partial, path, bent, follow)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for first in range(0, n, at_once := max(n, 1) if layers else PART):
             way.run(np.arange(first, min(first + at_once, n)))
@@ -126,6 +131,7 @@ class _Way:
     partial: np.random.Generator | None
     path: bool
     bent: list[Bent] | None  # the rays that ideal sheets have bent, if they are asked for
+    follow: Follow | None  # None: `trace.trace`
     met: list[NDArray[np.int32]] = field(default_factory=list)  # the windows that the rays have met, one after another
     events: list[Event] = field(default_factory=list)  # what rays have met, if their paths are kept
 
@@ -229,7 +235,11 @@ class _Way:
         met = rays.count[j]  # faces, before this window
         most = self.most - met
         steps = Steps.empty(len(j), int(most.max(initial=0))) if self.path else None
-        after = trace(position[some], direction[some], sheets, window.outline, most, window.frame, self.partial, steps)
+        start = position[some], direction[some]
+        if self.follow:
+            after = self.follow(*start, window, most)
+        else:
+            after = trace(*start, sheets, window.outline, most, window.frame, self.partial, steps)
         position[some], direction[some], ends[some] = after.position, after.direction, after.end
         for count in np.unique(met):
             rays.faces[j[met == count], count:] = after.faces[met == count, : self.most - count]

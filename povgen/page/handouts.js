@@ -7,7 +7,8 @@ import { drawOther, savedAs, view } from "./picture.js";
 import { qr } from "./qr.js";
 import { svg } from "./shapes.js";
 
-const link = () => location.href.replace(/#.*|$/, "") + toHash();
+export const page = () => location.href.replace(/#.*/, "");  // the page's address
+const link = () => page() + toHash();
 
 // Put a text on the clipboard. Where the browser does not allow it, the text is shown, and chosen.
 async function copy(text) {
@@ -30,20 +31,23 @@ $("copy-embed").addEventListener("click", () => {
 });
 
 // A QR code leads somewhere only if the page has an address that others can open. Return whether there is one.
-function drawCode() {
+export function drawCode(drawing) {
   const dark = location.host ? qr(link()) : null;
-  $("qr-open").hidden = !dark;
-  if (location.host && !dark) $("copied").textContent = say("share.too_long");
   if (!dark) return false;
   const side = dark.length + 8;
   const d = dark.flatMap((row, y) => row.flatMap((on, x) => (on ? `M${x + 4} ${y + 4}h1v1h-1z` : []))).join("");
-  const drawing = $("qr").firstElementChild;
   drawing.setAttribute("viewBox", `0 0 ${side} ${side}`);
   drawing.replaceChildren(svg("rect", { width: side, height: side, fill: "#fff" }), svg("path", { d, fill: "#000" }));
   return true;
 }
+function offerCode() {
+  const drawn = drawCode($("qr").firstElementChild);
+  $("qr-open").hidden = !drawn;
+  if (location.host && !drawn) $("copied").textContent = say("share.too_long");
+  return drawn;
+}
 // The page may have changed since its tools were opened.
-$("qr").addEventListener("beforetoggle", (event) => event.newState === "open" && !drawCode() && event.preventDefault());
+$("qr").addEventListener("beforetoggle", (event) => event.newState === "open" && !offerCode() && event.preventDefault());
 
 for (const id of ["share", "room"]) {
   const button = $(`${id}-open`);
@@ -51,7 +55,7 @@ for (const id of ["share", "room"]) {
     $(id).hidden = !shown;
     button.setAttribute("aria-expanded", String(shown));
     $("copied").textContent = "";
-    if (shown) drawCode();
+    if (shown) offerCode();
     else if (id === "share" && !$("room").hidden) $("room-open").click();  // it belongs to these tools
   };
   button.addEventListener("click", () => open($(id).hidden));
@@ -91,7 +95,7 @@ function showRecording() {
 
 // ---- Print: a browser prints no WebGL, but a picture ----
 
-const printed = $("print-picture");
+export const printed = $("print-picture");
 addEventListener("beforeprint", () => {
   if (!view.gl || view.gl.isContextLost()) return;
   const { canvas } = view, { width, height } = canvas, copy = element("canvas", { width, height }), pen = copy.getContext("2d");
@@ -101,7 +105,10 @@ addEventListener("beforeprint", () => {
   printed.src = copy.toDataURL("image/png");
 });
 addEventListener("afterprint", () => printed.removeAttribute("src"));
-$("print").addEventListener("click", () => {
+// Print when the picture is there. `prepare` writes what is printed with it.
+export function printPicture(prepare = () => {}) {
   dispatchEvent(new Event("beforeprint"));
+  prepare();
   printed.decode().catch(() => {}).then(() => print());
-});
+}
+$("print").addEventListener("click", () => printPicture());

@@ -18,6 +18,7 @@ import { player, povray, reducedMotion } from "./player.js";
 import "./room.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
+import "./teaching.js";
 import { describe, heard, seen } from "./text.js";
 import { tour } from "./tour.js";
 

@@ -88,12 +88,17 @@ function blurSaid(now) {
 
 // The description of the picture for those who do not see it.
 export function describe(now) {
+  return [settingSaid(now), pointsSaid(now), ...reason(now), explanation(now)].join(" ");
+}
+
+// What is seen through what, and the numbers of the setting: nothing of what it looks like.
+export function settingSaid(now) {
   const prisms = prismsText(now.scene.prisms);
   const [first, second] = kinds().map((sheet) => ofKind(sheet, "model", { prisms }));
   const through = kinds().every((sheet) => sheet === "none") ? "free" : now.d ? "two" : "one";
   const seenAs = say(`describe.${through}`, { thing: thing(), first, second, tiles: now.d && tilesText(now.d) });
   const values = listed([...parametersOf(now).flat(), `z₁ = ${brief(now.z1)}`, `z₂ = ${quantity("z2", now.z2)}`, ...eyeValues(now)]);
-  return [`${seenAs} ${values}.`, pointsSaid(now), ...reason(now), explanation(now)].join(" ");
+  return `${seenAs} ${values}.`;
 }
 
 // Why an object turns less than the mountains. While a class is to find it or to measure it, nothing.

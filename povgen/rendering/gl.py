@@ -119,14 +119,29 @@ class Drawer:
     def readout(self, scene: dict[str, Any], size: tuple[int, int]) -> NDArray[np.float32]:
         """Return ray, shown and met, (3, height, width, 4): povgen/liveview/readout.glsl describes them."""
         (program,) = self._prepared(scene, "shader")
-        numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
         set_uniforms(program, {**scene["uniforms"], "size": size, "jitter": (0, 0), "rayNumber": 0})
+        return self._numbers(program, size)[:, ::-1]
+
+    def followed(self, scene: dict[str, Any], rays: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return where rays (2, n, 4) leave a window, (3, n, 4): povgen/liveview/rays.glsl describes both."""
+        (program,) = self._prepared(scene, "shader")
+        set_uniforms(program, scene["uniforms"])
+        count, size = rays.shape[1], (TILE, -(-rays.shape[1] // TILE))
+        filled = np.pad(rays, ((0, 0), (0, size[0] * size[1] - count), (0, 0)), "edge")
+        given = [self.gl.texture(size, 4, each.tobytes(), dtype="f4") for each in filled]
+        for unit, texture in enumerate(given):
+            texture.use(unit)
+        return self._numbers(program, size).reshape(3, -1, 4)[:, :count]
+
+    def _numbers(self, program: Any, size: tuple[int, int]) -> NDArray[np.float32]:  # noqa: ANN401
+        """Return the three results of a program, (3, height, width, 4), the bottom row first."""
+        numbers = self.gl.framebuffer([self.gl.texture(size, 4, dtype="f4") for _ in range(3)])
         self._draw(program, numbers, size)
         read = b"".join(numbers.read(components=4, attachment=k, dtype="f4") for k in range(3))
         self.sum.use()  # the context refers to the framebuffer that was used last
         del numbers
         self.gl.gc()
-        return np.frombuffer(read, "<f4").reshape(3, size[1], size[0], 4)[:, ::-1]
+        return np.frombuffer(read, "<f4").reshape(3, size[1], size[0], 4)
 
     def _draw(self, program: Any, target: Any, size: tuple[int, int], source: Any = None) -> None:  # noqa: ANN401
         """Run a program for the lower left pixels of a framebuffer. It reads the framebuffer `source`."""
@@ -250,11 +265,14 @@ def main() -> None:
         asked = json.loads(line)
         try:
             scene = json.loads(Path(asked["scene"]).read_text("utf-8"))
-            folder, size = Path(asked["scene"]).parent, tuple(asked["size"])
+            folder, size = Path(asked["scene"]).parent, tuple(asked.get("size", ()))
             scene["pictures"] = {part: (folder / name).read_bytes() for part, name in scene["pictures"].items()}
             target, kind = Path(asked["target"]), asked["kind"]
             if kind == "readout":
                 target.write_bytes(drawer.readout(scene, size).tobytes())
+            elif kind == "rays":
+                rays = np.fromfile(asked["rays"], "<f4").reshape(2, -1, 4)
+                target.write_bytes(drawer.followed(scene, rays).tobytes())
             else:
                 sampling = size, asked["rays"], asked["wide_filter"], asked.get("part", 1)
                 picture = drawer.picture(scene, *sampling, kind == "light", lambda part: say(part=part))

@@ -14,7 +14,9 @@ from povgen.optics.opening import Opening
 from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
 from povgen.scene import polarisers, pupil, white
+from povgen.scene.room import Room
 from povgen.scene.scene import Scene, checked_class
+from povgen.scene.scenes import AxialScene
 from povgen.settings import PUPIL_RAYS, Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw
@@ -44,6 +46,28 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
     if scene.background != "transparent":
         return eyes
     return [eye.replace(background=sky) for eye in eyes for sky in ("black", "white")]
+
+
+def fitted(scenes: Sequence[Scene], size: tuple[int, int]) -> list[Scene]:
+    """Return the scenes of one movie, or one scene, with their default views for pictures of this size.
+
+    In narrow pictures, these show the first window with a margin beside it, on one scale in all. A room's default view
+    is then as wide as it is high by default. A view that a scene states stays.
+    """
+    shape = size[0] / size[1]
+    preset = [scene.default_view(0.9 * shape) for scene in scenes if isinstance(scene, AxialScene)]
+    view = max(preset, default=0.0)
+    return [scene if shape >= 1 or _states_view(scene) else _seen_as(scene, view, shape) for scene in scenes]
+
+
+def _states_view(scene: Scene) -> bool:
+    return "view" in (scene.eye if isinstance(scene, Room) else scene).model_fields_set
+
+
+def _seen_as(scene: Scene, view: float, shape: float) -> Scene:
+    if isinstance(scene, Room):
+        return scene.replace(eye=scene.eye.replace(view=scene.eye.view / shape))
+    return scene.replace(view=view) if isinstance(scene, AxialScene) else scene
 
 
 def frames_of(scene: Scene, rendering: Rendering) -> list[Scene]:

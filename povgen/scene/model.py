@@ -51,7 +51,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     view: Annotated[float, Field(ge=0.1, le=MAX_VIEW)] = Field(
         default=VIEW,
         description=f"height of the picture in the plane of the sheets, 0.1 to {MAX_VIEW} tiles "
-        f"(default: {VIEW}, or more if the first window's frame is larger)",
+        f"(default: {VIEW}, or more if the first window's frame is larger or the picture narrow)",
     )
     eye: Point = Field(
         default=(0, 0),
@@ -156,18 +156,18 @@ class EyeAndWindows(Scene, ParametersOfSheets):
         """Extent of the window frame along z, tiles: a tenth of the window's side, or more if the sheets need more."""
         return max(self.aperture / 10, 1.02 * max(sheet.depth for sheet in self.sheets))
 
-    @property
-    def default_view(self) -> float:
+    def default_view(self, shape: float = 4 / 3) -> float:
         """Height of the picture in the plane z = 0 that shows the first window's whole frame, tiles.
 
-        This holds for pictures of 4:3 or wider. It is at least VIEW, and at most MAX_VIEW even if the frame needs more.
+        The picture is `shape` times as wide as high, or wider. The view is at least VIEW, and at most MAX_VIEW even if
+        the frame needs more.
         """
         front, slant = -self.depth / 2, min(self.rim, self.depth)
         reach = 0.0
         for out, z in ((0.6, front), (0.75, front + 0.25 * slant), (1, front + 0.5 * slant)):  # frame.pov.j2
             scale = self.z2 / (self.z2 + z)  # from the plane z to the plane z = 0, seen from the eye
-            for eye, shape in ((self.E.imag, 1), (self.E.real, 4 / 3)):
-                reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / shape)
+            for eye, sides in ((self.E.imag, 1), (self.E.real, shape)):
+                reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / sides)
         return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
 
     def _replaced_by(self, changes: dict[str, object]) -> set[str]:

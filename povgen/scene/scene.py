@@ -8,6 +8,7 @@ from __future__ import annotations  # help() then says ArrayLike
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
+from importlib import import_module
 from itertools import islice
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -195,16 +196,31 @@ class Scene(Model):
         return self.camera.rays((width, height))
 
     @input_errors()
-    def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None, path: bool = False) -> Traced:
+    def trace(
+        self,
+        rays: Bundle,
+        max_faces: int = 60,
+        partial: Generator | None = None,
+        path: bool = False,
+        device: Literal["numpy", "gl"] = "numpy",
+    ) -> Traced:
         """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
 
         Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
         generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
         Otherwise reflection is only total. With `path`, the result has the rays' whole paths: their `corners`, optical
-        `length`, `jones` matrices and a `table`. Raises InputError for a ray that starts inside a window's sheets, and
-        for a `max_faces` that is not a whole number from 1 to 100,000.
+        `length`, `jones` matrices and a `table`. With `device="gl"`, the graphics library follows rays through prisms
+        and lenses, with numbers of 32 bits: for at most 1000 steps from face to face in a window, and `faces` is empty.
+        Raises InputError for a ray that starts inside a window's sheets, for a `max_faces` that is not a whole number
+        from 1 to 100,000, and for what gl does not do: `partial`, `path`, and sheets of unequal prisms or lenses.
         """
-        return trace_windows(rays, self.openings, max_faces, partial, as_flag("path", path))
+        if device not in ("numpy", "gl"):
+            raise ValueError(f"device = {shown(device)}: allowed: 'numpy' or 'gl'")
+        if device == "gl" and (partial is not None or path):
+            raise ValueError("device = 'gl': keeps no path, and splits no rays; allowed: without partial and path")
+        # not imported above: scenes do not depend on rendering
+        follow = import_module("povgen.rendering.gl_rays").follow if device == "gl" else None
+        return trace_windows(rays, self.openings, max_faces, partial, as_flag("path", path), follow)
 
 
 @lru_cache(maxsize=4)  # they need up to 16 MB

@@ -104,9 +104,16 @@ class AxialScene(Predicted):
         radius = self.aperture / 2 if radius is None else radius
         return joined(pencil(self.openings, point, count, middle, radius, seed))
 
-    def trace(self, rays: Bundle, max_faces: int = 60, partial: Generator | None = None, path: bool = False) -> Traced:
+    def trace(
+        self,
+        rays: Bundle,
+        max_faces: int = 60,
+        partial: Generator | None = None,
+        path: bool = False,
+        device: Literal["numpy", "gl"] = "numpy",
+    ) -> Traced:
         """Follow rays as `Scene.trace` does. Rays that do not pass every window end as `End.BESIDE`."""
-        found = super().trace(rays, max_faces, partial, path)
+        found = super().trace(rays, max_faces, partial, path, device)
         passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(self.sheets))
         found.end[(found.end <= End.BACK) & ~passed] = End.BESIDE
         found.designed &= found.end == End.THROUGH
@@ -138,7 +145,7 @@ class AxialScene(Predicted):
     def _check_eye_and_windows(self) -> Self:
         checks.check(self)
         if "view" not in self.model_fields_set:
-            object.__setattr__(self, "view", self.default_view)  # the model is frozen
+            object.__setattr__(self, "view", self.default_view())  # the model is frozen
         return self
 
 

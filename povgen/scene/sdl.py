@@ -316,6 +316,8 @@ def to_glsl(main: str, texts: Sequence[laws.Text] = ()) -> str:
     """
     if main in ("display", "share"):
         parts = [main]
+    elif main == "rays":
+        parts = ["windows", "prisms", main]
     else:
         parts = ["windows", "materials", "objects", "prisms", "laws", "view", main]
     return "\n".join(_environment().get_template(f"liveview/{part}.glsl").render(laws=texts) for part in parts)

@@ -165,6 +165,19 @@ def numbers(thing: SceneObject, names: Sequence[str], shown: Sequence[Picture]) 
     return found + [0.0] * (4 - len(found))
 
 
+def of_rays(window: Opening) -> tuple[dict[str, int | str], dict[str, Any]]:
+    """Return the constants and the uniforms of povgen/liveview/rays.glsl for a window of prisms or lenses."""
+    profile = _profile(window)
+    # prisms.glsl has its own numbers for the faces of Dove prisms
+    path = (profile.path if profile else (3, 1, 4)) * len(window.sheet.glass)
+    defines: dict[str, int | str] = {"WINDOWS": 1, "PRISMS": 1, "PATH": len(path)}
+    if profile:
+        defines["PROFILE_EDGES"] = len(profile.edges)
+    if window.outline.is_round:
+        defines["ROUND_WINDOWS"] = 1
+    return defines, _windows([window], to_live()) | {"blackTops": [False], "designedPath": path, "starts": 0, "ways": 1}
+
+
 def _windows(openings: Sequence[Opening], laws: Sequence[Text]) -> dict[str, Any]:
     """Return the uniforms of windows and sheets. A window has two sheets of glass; a missing one has zeros."""
     windows = [opening.sheet.glass for opening in openings]

@@ -20,7 +20,7 @@ from povgen.progress import bar
 from povgen.record import MAX_FRAMES, PICTURES, check_unasked, recorded_call, save
 from povgen.rendering import light
 from povgen.rendering.parallel import checked_scheduler, worker_count
-from povgen.rendering.views import views
+from povgen.rendering.views import fitted, views
 from povgen.scene.scene import Scene, checked_scenes
 from povgen.scene.scenes import input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
@@ -101,7 +101,8 @@ def movie(
     workers, scheduler = worker_count(workers), checked_scheduler(scheduler)
     given: dict[str, Any] = {"frame_rate": frame_rate, "title": title, "notes": notes}
     given = {name: value for name, value in given.items() if value is not None}
-    return planned(film(spec, rendering.quality, given), output, rendering).make(workers, scheduler, progress)
+    made = film(spec, rendering.quality, given).fitted(rendering.size)
+    return planned(made, output, rendering).make(workers, scheduler, progress)
 
 
 class Film(NamedTuple):
@@ -114,6 +115,10 @@ class Film(NamedTuple):
     notes: Sequence[str] = ()  # of the frames; those of a spec are also for a movie without a given caption
     files: Sequence[str | Path | int] = ()  # that were read
     swept: Sequence[str] = ()  # the names of parameters
+
+    def fitted(self, size: tuple[int, int]) -> "Film":
+        """Return the film with default views for pictures of this size: `views.fitted`."""
+        return self._replace(scenes=fitted(self.scenes, size))
 
 
 def film(spec: object, quality: str, given: Mapping[str, Any]) -> Film:

@@ -21,6 +21,8 @@ from povgen.errors import TransientError
 from povgen.measure import verify_gl
 from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions
+from povgen.optics.profile import Profile
+from povgen.optics.trace import End
 from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
 from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
@@ -133,6 +135,68 @@ def test_pictures_agree_with_povray(scene, monkeypatch):
 def test_directions_agree_with_the_ray_trace(every):
     # in smaller pictures a few rays more or less decide
     holding(verify_gl.directions(verify_gl.PRISM_SCENES[::every], (320, 240)), 2)
+
+
+TWO = [
+    povgen.Window(sheet="detailed", alpha=66, x=-0.5, yaw=20, pitch=10, name="near"),
+    povgen.Window(sheet="single", prisms=60, outline="round", width=3, height=2.5, x=0.4, z=3.5, yaw=-25, name="far"),
+]
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Chess(),
+        Chess(error={"turn": 1, "tilt_x": 2, "far_tilt_y": 1, "index": 0.01}),
+        Chess(sheet="ideal", window="z=2,alpha=20,sheet=single,tops=black", z2=8),
+        povgen.Room(TWO, eye=povgen.Eye(z=-8)),
+        Chess(sheet="lenticular"),
+        Chess(sheet="profile"),
+    ],
+    ids=["pair", "errors", "ideal before single", "room", "lenses", "profile"],
+)
+def test_rays_of_ones_own_agree_with_the_ray_trace(scene, rng):
+    """As well as the ray trace agrees with itself for rays that start 1e-7 tiles aside: lenses part them."""
+    z, half = [opening.pose.z for opening in scene.openings], 10_000
+    aim = rng.uniform((-1.7, -1.7, 0), (1.7, 1.7, 0), (2, half, 3)) + [[[0, 0, min(z)]], [[0, 0, max(z)]]]
+    away = rng.uniform((-4, -4, 7), (4, 4, 9), (2, half, 3)) * [[[1, 1, -1]], [[1, 1, 1]]]
+    aside = 1e-7 * rng.normal(size=aim.shape)
+    exact, beside = (scene.trace(povgen.Bundle(start, -away), 40) for start in (aim + away, aim + away + aside))
+    found = scene.trace(povgen.Bundle(aim + away, -away), 40, device="gl")
+
+    def off(other, name):
+        return np.linalg.norm(getattr(other, name) - getattr(exact, name), axis=-1)
+
+    def differing(other):
+        same = (other.orders == exact.orders).all(-1) & (other.windows[..., 0] == exact.windows[..., 0])
+        for name in ("end", "count", "designed", "last"):
+            same &= getattr(other, name) == getattr(exact, name)
+        # the outer lenses end at the frame: rounding decides whether a ray goes on to the next border
+        unsure = (exact.end == End.FRAME) & isinstance(scene.layered[0].shape, Profile)
+        same &= (off(other, "direction") < 1e-3) & ((off(other, "position") < 1e-3) | unsure)
+        return 1 - same.mean()
+
+    assert {End.THROUGH, End.BACK, End.FRAME, End.BESIDE} <= {*exact.end.flat}
+    assert differing(found) < 1.3 * differing(beside) + 0.001
+    designed = exact.designed & found.designed
+    assert designed.mean() > 0.03
+    assert off(found, "position")[designed].max() < 1e-5
+    assert off(found, "direction")[designed].max() < 1e-4
+    assert found.faces.shape == (2, half, 0) and not found.reflected.any() and (found.light == 1).all()
+
+
+def test_what_rays_on_the_device_cannot_do_is_refused():
+    rays = Chess().rays((8, 6))
+    for scene, values, words in (
+        (Chess(), {"path": True}, "keeps no path"),
+        (Chess(), {"partial": np.random.default_rng(1)}, "splits no rays"),
+        (Chess(error={"facets": 0.1}), {}, "equal prisms"),
+        (Chess(sheet="lenticular", error={"pitch": 0.01}), {}, "one pitch"),
+    ):
+        with pytest.raises(InputError, match=words):
+            scene.trace(rays, device="gl", **values)
+    with pytest.raises(InputError, match="device = 'cuda': allowed: 'numpy' or 'gl'"):
+        Chess().trace(rays, device="cuda")
 
 
 def test_windows_without_sheets_before_prisms_leave_light_as_it_is():

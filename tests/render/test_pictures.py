@@ -11,9 +11,10 @@ from IPython.core.interactiveshell import InteractiveShell
 from PIL import Image, ImageDraw
 
 import povgen
-from povgen import Chess, Rendering, Spheres, render, to_pov
+from povgen import Chess, Eye, Rendering, Room, Spheres, Window, render, to_pov
 from povgen.optics import equations
 from povgen.rendering import frames, povray
+from povgen.rendering.views import fitted
 from povgen.scene import camera
 from povgen.scene.model import APERTURE, VIEW
 from povgen.video import overlay, still
@@ -120,6 +121,19 @@ def test_a_default_view_shows_the_whole_frame(values):
     assert rows[0] > 0 and rows[-1] < 95 and columns[0] > 0 and columns[-1] < 127
     margins = rows[0], 95 - rows[-1], columns[0], 127 - columns[-1]
     assert min(margins) <= 3
+
+
+def test_a_narrow_picture_shows_the_whole_frame():
+    """A view that is stated stays, also that of a picture's record."""
+    spheres = Spheres(z1=9, line=(0, 0), sheet="ideal", background="white")
+    room = Room([Window(sheet="ideal", width=4)], background="white")
+    for scene in (spheres, room):
+        frame = (render(scene, size=(54, 96), antialias="off") < 250).any(-1)
+        columns = np.flatnonzero(frame.any(0))
+        assert 0 < columns[0] < 8 and 45 < columns[-1] < 53
+    stated = [spheres.replace(view=VIEW), room.replace(eye=Eye(view=5))]
+    assert fitted(stated, (54, 96)) == stated
+    assert fitted([spheres, spheres.replace(eye=(-6, 3), z2=0.7)], (54, 96))[0].view > 10  # the scale of both
 
 
 @pytest.mark.parametrize(

@@ -121,10 +121,10 @@ def test_windows_of_one_profile_in_any_arrangement(arrangements):
 
 
 def test_the_sheets_in_a_scene_of_ones_own(tmp_path):
-    """docs/usage.md: the scene shows through the sheets what it shows without them, but turned."""
+    """docs/own.md: the scene shows through the sheets what it shows without them, but turned."""
     status, source, _ = povgen(["pov", "chess", "--part", "sheets", "--prisms", "60", "-o", "sheets.inc"], tmp_path)
     assert (status, source) == (0, "")
-    page = Path(__file__).parents[2] / "docs" / "usage.md"
+    page = Path(__file__).parents[2] / "docs" / "own.md"
     (scene,) = re.findall(r"(?s)```pov\n(.*?)```", page.read_text())
     header = "//   povray +Iscene.pov +W96 +H72 -A\n"
     shown = [drawn(f"{header}{text}", tmp_path).astype(int) for text in (scene, scene.replace("object { Sheets", "//"))]

@@ -16,7 +16,7 @@ def curves(draw):
 
 
 def test_transmission_by_polarisation():
-    """docs/beyond.md: 0.70 to 0.94 for 66 degrees. Crossed sheets pass all polarisations alike."""
+    """docs/sheets.md: 0.70 to 0.94 for 66 degrees. Crossed sheets pass all polarisations alike."""
     drawn = {name: y for name, (_, y) in ((name, data.T) for name, data in curves(glass.draw_polarisation).items())}
     assert (drawn["α = 66°"].min(), drawn["α = 66°"].max()) == pytest.approx((0.70, 0.94), abs=0.005)
     assert np.ptp(drawn["α = 180°"]) < 1e-9 < np.ptp(drawn["α = 0°"])

@@ -124,8 +124,7 @@ def test_no_sentence_is_in_the_scripts():
 
 
 def test_the_labels_that_the_docs_name_are_those_of_the_page():
-    usage = (PROJECT / "docs" / "usage.md").read_text("utf-8")
-    section = usage.partition("## The page to teach with")[2].partition("\n## ")[0]
-    named = set(re.findall(r"(?<!\*)\*([^*`]+)\*", section)) - {"vary α", "vary z₁"}  # movies
+    page = (PROJECT / "docs" / "page.md").read_text("utf-8")
+    named = set(re.findall(r"(?<!\*)\*([^*`]+)\*", page)) - {"vary α", "vary z₁"}  # movies
     labels = {line.lower() for text in map(parts, ENGLISH.values()) for line in text.split("\n")}
     assert len(named) > 20 and not [name for name in named if name.lower() not in labels]

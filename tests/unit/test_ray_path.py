@@ -137,7 +137,7 @@ def behind_prisms(theta, count=6000):
 
 @pytest.mark.parametrize("theta", [0, 0.05])
 def test_the_wave_front_is_whole_within_a_prism_and_jumps_between_prisms(theta):
-    """A prism reverses the slope across its ridges (docs/beyond.md): its neighbour's part is 2 p sin(theta) ahead."""
+    """A prism reverses the slope across its ridges (docs/sheets.md): its neighbour's part is 2 p sin(theta) ahead."""
     phase, found, prism = behind_prisms(theta)
     cell = np.floor((found.position[:, 1] + 1.5) / prism.pitch)
     parts = [phase[cell == k] for k in np.unique(cell)]

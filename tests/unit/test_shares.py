@@ -19,6 +19,11 @@ DOCS = Path(__file__).parents[2] / "docs"
 WINDOW = 2.4
 
 
+def words_of(page):
+    """Return a page's text in one line."""
+    return " ".join((DOCS / page).read_text().split())
+
+
 def found(n=110, partial=None, most=60, **shape):
     """Trace rays from the eye to the whole window of the default scene, with prisms of another shape."""
     scene = Chess(**shape)
@@ -47,11 +52,10 @@ def test_the_docs_state_the_shares_of_the_default_scene(monkeypatch):
         assert sum(astuple(glass)) == pytest.approx(1) == sum(astuple(black))
     default = quantities._shares(Chess())
     lost = (default.back, default.frame, default.unfinished)
-    text = " ".join((DOCS / "sheets.md").read_text().split())
     stated = re.search(
         r"In the default scene (\d+) % are designed, (\d+) % stray and (\d+) % lost: (\d+) % come back, (\d+) % meet "
         r"the frame, and (\d+) % meet more than 60 faces",
-        text,
+        words_of("sheets.md"),
     )
     measured = 100 * np.array([default.designed, default.stray, sum(lost), *lost])
     assert measured == pytest.approx([*map(float, stated.groups())], abs=1.3)
@@ -70,9 +74,9 @@ def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
         ("beyond.md", r"(\d+) % of its light has been"),
         ("sheets.md", r"(\d+) % of all light from the"),
     ):
-        (stated,) = re.findall(words, (DOCS / page).read_text())
+        (stated,) = re.findall(words, words_of(page))
         assert 100 * rays.reflected[white].mean() == pytest.approx(int(stated), abs=1.5)
-    (bright,) = re.findall(r"the window is ([\d.]+) times as bright\sas its", (DOCS / "beyond.md").read_text())
+    (bright,) = re.findall(r"the window is ([\d.]+) times as bright as its", words_of("beyond.md"))
     assert white.mean() == pytest.approx(float(bright), abs=0.01)
 
 

@@ -93,6 +93,7 @@ def command(
     if automatic is not None:
         sheet, choice = automatic.choose(made.scenes, {**chosen, "bits": rendering.bits}, quiet, scheduler)
         made, rendering = film_with({**values, **sheet}, rendering.quality), rendering.replace(**choice)
+    made = made.fitted(rendering.size)
     scenes, sampled = _shard(made.scenes, rendering, part)
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
     used = dict.fromkeys(made.swept) | values if automatic is None else {}

@@ -50,6 +50,35 @@ def test_the_code_of_the_link_is_large_and_moves_nothing(browser, demo_file):
     page.close()
 
 
+def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file):
+    page = browser.new_page(viewport={"width": 1000, "height": 640}, locale="de")
+    page.route("**/*", lambda route: route.fulfill(path=demo_file))
+    page.goto("http://povgen.test/#language=de&sheet=ideal&alpha=90")
+    page.evaluate("view.ready")
+    panel = page.get_by_role("dialog", name="Für Lehrkräfte")
+    for link, shown in {
+        "ideale Platte, α = 180,0°, Strahlen von L": {"alpha": 180, "light": "pencil", "show": "large"},
+        "Und die Berge, die sehr weit weg sind? Um welchen Winkel drehen sie sich bei α = 66°?": {"question": "far"},
+    }.items():
+        page.get_by_role("button", name="Für Lehrkräfte").click()
+        panel.get_by_role("link", name=link).click()
+        expect(panel).to_be_hidden()
+        hash_ = page.evaluate("location.hash")
+        assert all(f"{name}={value}" in hash_ for name, value in shown.items())
+    page.evaluate("window.print = () => { window.printed = true; }")
+    page.get_by_role("button", name="Für Lehrkräfte").click()
+    panel.get_by_role("button", name="Aufgabenblatt drucken").click()
+    page.wait_for_function("window.printed")
+    page.emulate_media(media="print")
+    assert page.locator("#tasks li").count() == 4 and page.locator("main").is_hidden()
+    assert page.locator("#task-setting").inner_text().startswith("Ein Springer, gesehen durch: ")
+    [code, picture, name] = bounds(page, "#task-code svg", "#task-picture", "#task-name")
+    assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.locator("#tasks").is_hidden()
+    page.close()
+
+
 def test_a_movement_is_recorded(share):
     picture(share)
     share.get_by_role("button", name="Record a movement").click()
