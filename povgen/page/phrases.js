@@ -34,13 +34,13 @@ export function turnedBy(nu, of) {
   return say(`turned.${way}`, { angle: angle(Math.abs(nu)), thing: of });
 }
 
-export const doubt = (now) => (possibleError(now) < 1280 ? say("seen.doubt", { pixels: rough(possibleError(now)) }) : say("seen.doubt_wide"));
+// By how much the prediction can be wrong: `possibleError` is in pixels of a picture that is 1280 wide.
+export const doubt = (now) => (possibleError(now) < 1280 ? say("seen.doubt", { share: percent(Math.ceil(possibleError(now) / 12.8) / 100) }) : say("seen.doubt_wide"));
 
-// How much of the window shows the picture, and how much stray light.
+// The shares of the light in the window.
 function percents({ designed, stray }) {
   const whole = [designed, stray].map((share) => Math.round(100 * share));
-  const [picture, astray, lost] = [...whole, 100 - whole[0] - whole[1]].map((number) => percent(number / 100));
-  return { picture, stray: astray, lost };
+  return Object.fromEntries(["designed", "stray", "lost"].map((name, k) => [name, percent([...whole, 100 - whole[0] - whole[1]][k] / 100)]));
 }
 export const lightShares = (now) => say("light.shares", percents(lightInWindow(now)));
 
@@ -53,7 +53,7 @@ function moireAlpha(window) {
 // The warnings about the light in the window: povgen/scene/warnings.py, with the same limits.
 export function lightWarnings(now) {
   const light = lightInWindow(now), { designed } = data.limits, found = [];
-  if (light && light.designed < designed) found.push(say("seen.stray", { ...percents(light), least: percent(designed) }));
+  if (light && light.designed < designed * (1 - light.beside)) found.push(say("seen.stray", { ...percents(light), least: percent(designed) }));
   for (const [sheet, sentence] of [["detailed", "bands"], ["lenticular", "bands_lenses"]]) {
     const parallel = now.windows.find((window) => window.sheet === sheet && Math.abs(((window.values.alpha + 540) % 360) - 180) < moireAlpha(window));
     if (parallel) found.push(say(`seen.${sentence}`, { least: rough(moireAlpha(parallel)) }));
@@ -89,7 +89,10 @@ export function poleSentence(now) {
   return sentence(contents(now).has("pedestal") ? "pedestal" : "elsewhere");
 }
 
-// "2 tiles in front of the first window". An image behind the eye cannot be seen standing in the air.
+const AT_EYE = 0.02;  // of z2: so near to the eye, an image is neither in front of it nor behind it
+
+// "2 tiles in front of the first window". An image at the eye or behind it cannot be seen standing in the air.
 export function imagePlace(W, z2, window) {
-  return say(`image.${W >= 0 ? "behind" : -W > z2 ? "behind_eye" : "front"}`, { tiles: tilesText(Math.abs(W)), window: forms(window) });
+  const place = W >= 0 ? "behind" : Math.abs(W + z2) < AT_EYE * z2 ? "at_eye" : -W > z2 ? "behind_eye" : "front";
+  return say(`image.${place}`, { tiles: tilesText(Math.abs(W)), window: forms(window) });
 }

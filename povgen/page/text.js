@@ -10,7 +10,7 @@ import { angle, brief, briefly, entry, fixed, forms, listed, prismsText, quantit
 import { contents, frameDepth, outside, pupilBlur, unsure } from "./moment.js";
 import { absent, bare, doubt, imagePlace, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
-import { kinds, RANGES, session, state, usesAlpha } from "./state.js";
+import { isEmpty, kinds, RANGES, session, state, usesAlpha } from "./state.js";
 
 // What is seen, in a sentence or two. While a question is asked, the class is to find it.
 export function explanation(now) {
@@ -34,7 +34,7 @@ export const seen = (now) => [...(now.general ? [work(now)] : []), ...objectSeen
 function objectSeen(now) {
   const { M, nu, height, z1, z2, general, beyond, turned = nu } = now, shown = contents(now).has("thing");
   const times = (size) => timesText(size / bare(now)), single = now.sheet === "single" && !beyond;
-  if (shown && kinds().every((sheet) => sheet === "none")) return [say(beyond ? "seen.free_series" : "seen.free", { thing: thing(), times: timesText(M) })];
+  if (shown && isEmpty()) return [say(beyond ? "seen.free_series" : "seen.free", { thing: thing(), times: timesText(M) })];
   if (single && !Number.isFinite(height)) return [say("seen.single_pole", { times: times(M) })];
   if (now.beside) return [say("seen.beside", { thing: thing() })];
   if (now.nearPole) return [poleSentence(now)];
@@ -90,7 +90,7 @@ function blurSaid(now) {
 export function describe(now) {
   const prisms = prismsText(now.scene.prisms);
   const [first, second] = kinds().map((sheet) => ofKind(sheet, "model", { prisms }));
-  const through = kinds().every((sheet) => sheet === "none") ? "free" : now.d ? "two" : "one";
+  const through = isEmpty() ? "free" : now.d ? "two" : "one";
   const seenAs = say(`describe.${through}`, { thing: thing(), first, second, tiles: now.d && tilesText(now.d) });
   const values = listed([...parametersOf(now).flat(), `z₁ = ${brief(now.z1)}`, `z₂ = ${quantity("z2", now.z2)}`, ...eyeValues(now)]);
   return [`${seenAs} ${values}.`, pointsSaid(now), ...reason(now), explanation(now)].join(" ");
