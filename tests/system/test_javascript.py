@@ -602,7 +602,8 @@ def test_a_small_number_keeps_the_minus_of_its_exponent(page):
 
 def test_fields_take_fractions_and_units(page):
     numbers = {"30°": 30, "30 °": 30, "−12,5 degrees": -12.5, "1/2": 0.5, "-3 / 4": -0.75, "2 tiles": 2, "1e-3": 1e-3}
-    nonsense = ["1/0", "1/", "/2", "1/2/3", "", " ", "tiles", "1.000,5", "3 knights"]
+    numbers |= {"45deg": 45, "45 De": 45, "20°/tile": 20, "٤٥٫٥": 45.5, "−۱۲": -12}
+    nonsense = ["1/0", "1/", "/2", "1/2/3", "", " ", "tiles", "1.000,5", "3 knights", "0x10", "Infinity", "--1"]
     found = page.evaluate("(texts) => texts.map(readNumber)", [*numbers])
     assert found == [*numbers.values()]
     assert page.evaluate("(texts) => texts.map(readNumber).some(Number.isFinite)", nonsense) is False
