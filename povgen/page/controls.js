@@ -191,9 +191,9 @@ export function showInputs(now) {
   for (const [name, text] of Object.entries(labels(beyond))) {
     $(`label-${name}`).textContent = text;
     const part = DIRECTIONS.includes(name) ? "controls.component" : "controls.coordinate";
-    for (const input of document.querySelectorAll(`.place[data-quantity="${name}"] input`)) input.ariaLabel = say(part, { name, label: text, axis: input.dataset.axis });
+    for (const input of document.querySelectorAll(`.place[data-quantity="${name}"] input`)) input.ariaLabel = say(part, { name: SYMBOL[name] ?? name, label: text, axis: input.dataset.axis });
     if (!SLIDERS[name]) continue;
-    const said = { name: { prisms: "N", pupil: "p", focus: "s" }[name] ?? name, label: text };
+    const said = { name: SYMBOL[name], label: text };
     const [least, most] = RANGES[name].map(brief);
     $(`slider-${name}`).ariaLabel = say("controls.slider", said);
     Object.assign($(`number-${name}`), { ariaLabel: say("controls.number", said), title: say("controls.range", { least, most }) });

@@ -8,6 +8,12 @@ from demo.conftest import centre, opened, show
 from povgen.liveview.languages import tables
 from povgen.page.page import ALL_KINDS
 
+# The names and other hidden texts of what is shown, with a Latin word.
+HIDDEN = """[...document.querySelectorAll("*")].filter((part) => (part.closest("select") ?? part).checkVisibility())
+  .flatMap((part) => [part.ariaLabel, part.title, part.getAttribute("aria-valuetext"),
+    part.matches(".hidden-text:not([role=status]), option, output") && part.textContent])
+  .filter((text) => text && /[A-Za-z]{3}/.test(text))"""
+
 
 @pytest.mark.parametrize(
     ("locale", "language"), some([("de-AT", "de"), ("ar-EG", "ar"), ("nl-NL", "en")], 1, several=True)
@@ -65,5 +71,7 @@ def test_from_right_to_left_the_picture_and_numbers_stay(page):
         page.locator("#number-alpha").fill("−٤٥٫٥ درجة")
         assert page.evaluate("state.alpha") == -45.5
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        page.evaluate("change({ sheet: 'glens' }); draw()")
+        assert {*page.evaluate(HIDDEN)} <= {"صورة POV-Ray", *(table["name"] for table in tables(ALL_KINDS).values())}
     finally:
         page.evaluate("choose('en'); draw()")
