@@ -664,6 +664,21 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page, values):
 # ---- Languages ----
 
 
+@pytest.mark.parametrize(
+    ("language", "values", "said"),
+    [
+        ("de", {"sheet": "none"}, "Im Fenster ist nichts: Der Springer ist"),
+        ("fr", {"alpha": 0, "piece": "rook"}, "La tour n’est pas tournée"),
+        ("fr", {}, "Le cavalier paraît tourné de 15,0°"),
+        ("ar", {}, "وبحجم يعادل \u20681.13\u2069 ضعف الحجم"),
+    ],
+)
+def test_what_is_seen_is_said_as_the_language_does(page, language, values, said):
+    page.evaluate("choose", language)
+    assert said in sentence(page, **values)
+    page.evaluate("choose('en')")
+
+
 @pytest.mark.parametrize("language", tables(ALL_KINDS))
 def test_every_language_says_all(page, language):
     states = [
