@@ -12,10 +12,12 @@ import { absent, bare, doubt, imagePlace, lightWarnings, ofKind, placeSaid, pole
 import { isAsked, QUESTIONS } from "./questions.js";
 import { isEmpty, kinds, RANGES, session, state, usesAlpha } from "./state.js";
 
-// What is seen, in a sentence or two. While a question is asked, the class is to find it.
+// Whether a class is to find what is seen: a question is asked, or it is to be measured.
+export const isToBeFound = () => isAsked() || (session.measuring && state.question < 0 && !session.measured);
+
+// What is seen, in a sentence or two.
 export function explanation(now) {
-  if (isAsked()) return [say("seen.asked"), ...limitsMet(now)].join(" ");
-  if (session.measuring && state.question < 0 && !session.measured) return limitsMet(now).join(" ");  // a class is to measure it
+  if (isToBeFound()) return [...(isAsked() ? [say("seen.asked")] : []), ...limitsMet(now)].join(" ");
   const first = QUESTIONS[state.question]?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
@@ -96,10 +98,9 @@ export function describe(now) {
   return [`${seenAs} ${values}.`, pointsSaid(now), ...reason(now), explanation(now)].join(" ");
 }
 
-// Why an object turns less than the mountains. While a class is to find it or to measure it, nothing.
+// Why an object turns less than the mountains.
 function reason(now) {
-  const found = isAsked() || (session.measuring && state.question < 0 && !session.measured);
-  if (found || !now.two || !now.alpha || now.nearPole || !presets.hasPiece(state.scene) || !contents(now).has("thing")) return [];
+  if (isToBeFound() || !now.two || !now.alpha || now.nearPole || !presets.hasPiece(state.scene) || !contents(now).has("thing")) return [];
   return [say("describe.reason", { turned: turnedBy(now.alpha, forms("mountains")) })];
 }
 

@@ -90,6 +90,26 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     expect(field).to_have_attribute("aria-invalid", "false")
 
 
+def test_a_tone_tells_angle_and_size(page):
+    """An octave above 440 Hz for 90 degrees. It does not give an answer away."""
+    page.get_by_role("button", name="More").click()
+    sound = page.get_by_role("button", name="Sound")
+    expect(sound).to_have_attribute("aria-pressed", "false")
+    sound.click()
+    expect(sound).to_have_accessible_description(re.compile("its pitch tells ν .* its loudness the size"))
+    page.evaluate(
+        "draw(); window.loudness = []; sound.volume.gain.setTargetAtTime = (value) => loudness.push(value); 0"
+    )
+    show(page, alpha=90, z1=6)  # turned by 45 degrees, and twice 0.707 times as large
+    assert page.evaluate("sound.tone.frequency.value") == pytest.approx(440 * 2**0.5, rel=1e-5)
+    assert page.evaluate("loudness") == [pytest.approx(0.15 * 2**0.5), 0]
+    page.evaluate("openQuestion(1); change({ z1: 3 }); draw()")
+    assert page.evaluate("sound.tone.frequency.value") == pytest.approx(440 * 2**0.5, rel=1e-5)
+    sound.click()
+    assert page.evaluate("sound.tone") is None
+    page.get_by_role("button", name="More").click()
+
+
 def test_questions_are_predicted_and_revealed(page):
     """Every other prediction is wrong. Each button that has gone leaves the focus to another."""
     page.get_by_role("tab", name="Questions").click()
