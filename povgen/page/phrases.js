@@ -7,7 +7,7 @@ import { abs, arg, minus } from "./complex.js";
 import { data } from "./data.js";
 import { angle, brief, entry, fixed, forms, listed, percent, placeText, rough, say, tilesText } from "./language.js";
 import { contents, imagingPole, possibleError, SHOWN } from "./moment.js";
-import { lightInWindow } from "./rays.js";
+import { at, lightInWindow } from "./rays.js";
 import { state } from "./state.js";
 
 export const pieceName = (piece) => pieceForms(piece).name;
@@ -25,6 +25,19 @@ export function placeSaid([x, y]) {
   const ways = [[x, "right", "left"], [y, "up", "down"]].filter(([x]) => Math.abs(x) >= 0.005)
     .map(([x, more, less]) => say(`place.${x > 0 ? more : less}`, { tiles: tilesText(Math.abs(x)) }));
   return ways.length ? say("place.from", { list: listed(ways) }) : say("place.middle");
+}
+
+// Where rays go, for those who do not see them: through the window, and from there to the plane of the eye or of the object.
+export function raysSaid({ windows, z1, z2 }, rays) {
+  const good = rays.filter(({ kind }) => kind === "designed");
+  if (!good.length) return "";
+  const [z, point] = state.light === "pencil" ? [-z2, "E"] : [windows.at(-1).z + z1, "L"];
+  /** @type {(points: any[]) => any} */
+  const middle = (points) => [0, 1].map((k) => points.reduce((sum, each) => sum + each[k] / points.length, 0));
+  const ends = good.map((ray) => at(ray, z)), place = middle(ends);
+  const said = say("light.where", { window: placeSaid(middle(good.map(({ points }) => points[1]))), point, place: placeSaid(place) });
+  if (good.length === 1) return said;
+  return `${said} ${say("light.spread", { tiles: tilesText(middle(ends.map((end) => [abs(minus(end, place)), 0]))[0], (x) => fixed(x, 2)) })}`;
 }
 
 // `of`: the forms of the name of what appears turned. In some languages its gender counts.

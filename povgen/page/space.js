@@ -10,7 +10,7 @@ import { $, clamped, data, refresh } from "./data.js";
 import { angle, brief, say, tilesText } from "./language.js";
 import { seenAt, SHOWN } from "./moment.js";
 import { outlineOf } from "./outline.js";
-import { imagePlace, lightShares, thing } from "./phrases.js";
+import { imagePlace, lightShares, raysSaid, thing } from "./phrases.js";
 import { at, bundle, fieldRays, hasField, meeting, perpendicularLoop } from "./rays.js";
 import { along, arrowhead, dot, heading, line, svg, words } from "./shapes.js";
 import { FLOOR, isEmpty, session, state } from "./state.js";
@@ -32,6 +32,7 @@ export function drawSpace(now) {
   space.replaceChildren(...drawing.parts(view, rem));
   if (drawing.squeeze < 1 && height >= LOW) space.append(words("scale", [width / 2, height - Math.max(0.8 * rem, 12)], say("light.shorter", { times: brief(1 / drawing.squeeze) })));
   $("light-says").textContent = [drawing.says, ...(now.glass && state.light !== "prism" ? [lightShares(now)] : [])].join(" ");
+  $("light-where").textContent = drawing.where ?? "";
   for (const button of $("cameras").children) button.setAttribute("aria-pressed", String(session.camera) === String(CAMERAS[button.value]));
   place();
 }
@@ -109,7 +110,7 @@ function scene(now) {
   ];
   const field = state.light === "field" && hasField(now) ? perpendicularLoop(now) : null;
   if (field) extent.push(...field.points.map((point) => room(point)));
-  return { extent, squeeze, says: says(now, rays, image, field), parts: (view, rem) => [
+  return { extent, squeeze, says: says(now, rays, image, field), where: raysSaid(now, rays), parts: (view, rem) => [
     ...floor(now, view, ground),
     ...dimensions(now, view, ground, rem),
     ...[...windows].reverse().flatMap((window) => windowParts(now, window, view)),

@@ -1,5 +1,7 @@
 """The view of the light in space, and the two levels of the page."""
 
+import re
+
 import numpy as np
 import pytest
 import ray_field as field
@@ -25,6 +27,9 @@ def test_at_the_pole_all_rays_of_L_reach_the_eye(page):
       const { left, right } = document.querySelector(`#space ${part}`).getBoundingClientRect();
       return (left + right) / 2;
     })"""
+    expect(page.locator("#space-turn")).to_have_accessible_description(
+        re.compile(r"the plane of E: opposite the window’s middle\. Their mean distance from it there: 0.00 tiles\.$")
+    )
     eye, image = page.evaluate(middles)
     assert abs(eye - image) < 8
     show(page, alpha=66, z1=2)
