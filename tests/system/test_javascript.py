@@ -94,6 +94,7 @@ def test_the_light_in_the_window_is_that_of_results(page):
         {},
         {"prisms": 5, "z1": 6},
         {"z2": 1.5},
+        {"prisms": 238, "alpha": 39, "z2": 2.48, "E": [-0.54, -0.1]},  # 1024 or 5000 rays would not do
         {"sheet": "single", "prisms": 20},
         {"windows": 2, "alpha2": 120, "d": 10},  # rays that miss the second window are lost
     ):
