@@ -5,7 +5,7 @@ import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { abs, finite, minus } from "./complex.js";
 import { $, clamped, data, element, on, refresh } from "./data.js";
-import { angle, brief, choose, entry, fill, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, unitText } from "./language.js";
+import { angle, beginsNumber, brief, choose, entry, fill, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, SYMBOL, typedNumber, typedUnit, unitText } from "./language.js";
 import { appearance, moment } from "./moment.js";
 import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
@@ -52,10 +52,11 @@ const typed = (x) => (Number.isFinite(x) ? localised(String(Number(Math.abs(x) <
 for (const [name, { ends: [min, max], step }] of Object.entries(SLIDERS)) {
   const slider = Object.assign($(`slider-${name}`), { min, max, step });
   slider.addEventListener("input", () => given({ [name]: valueOf(name) }));
-  numberField($(`number-${name}`), name === "pupil" ? 0.01 : 1, (x) => ({ [name]: x }));
+  numberField($(`number-${name}`), name === "pupil" ? 0.01 : 1, (x) => ({ [name]: x }), name, () => SYMBOL[name]);
 }
 for (const [name, letters] of FIELDS) {
-  [...letters].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
+  [...letters].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) }),
+    name, () => say("settings.x_of", { axis, name: SYMBOL[name] ?? name })));
 }
 
 // Of the spheres, an arrow key on the slider of z1 chooses the next one.
@@ -68,14 +69,22 @@ $("slider-z1").addEventListener("keydown", (event) => {
   given({ z1: ordered[clamped(ordered.indexOf(z1) + aside, [0, ordered.length - 1])] });
 });
 
-// A field for a number. The arrows up and down change it by a step.
-function numberField(input, step, values) {
+// A field for a number of the quantity `name`. The arrows up and down change it by a step.
+function numberField(input, step, values, name, symbol) {
+  // Why the text is no number of this quantity, in sentences.
+  const faults = () => {
+    const { x, units } = typedNumber(input.value), unit = typedUnit(name), said = { text: input.value, name: symbol() };
+    if (beginsNumber(input.value)) return [];
+    if (!Number.isFinite(x)) return [say("controls.not_a_number", said)];
+    if (!units.length || units.includes(unit)) return [];
+    return [unit ? say("controls.unit", { ...said, unit: say(`units.${unit}`) }) : say("controls.no_unit", said)];
+  };
   input.addEventListener("input", () => {
     session.typing = input;
-    const x = readNumber(input.value);
-    if (Number.isFinite(x)) given(values(x));
-    else session.refusals = /[^\s.,+−-]/.test(input.value) ? [say("controls.not_a_number", { text: input.value })] : [];  // a sign begins a number
-    const noSphere = input.id === "number-z1" && !hasPiece(state.scene) && Math.abs(moment().z1 / x - 1) > 1e-3;
+    const x = readNumber(input.value), found = faults();
+    if (Number.isFinite(x) && !found.length) given(values(x));
+    else session.refusals = found;
+    const noSphere = name === "z1" && !found.length && !hasPiece(state.scene) && Math.abs(moment().z1 / x - 1) > 1e-3;
     if (noSphere) session.refusals = [say("controls.no_sphere", { z1: brief(x) })];
     refuse(session.refusals.length > 0);
     refresh();
@@ -91,7 +100,6 @@ function numberField(input, step, values) {
       refuse(false);
       if (session.typing !== input) return;
       session.typing = null;
-      if (input.value.trim() && !Number.isFinite(readNumber(input.value))) session.refusals = [say("controls.not_a_number", { text: input.value })];
       refresh();
     });
   }
@@ -183,9 +191,9 @@ export function showInputs(now) {
   for (const [name, text] of Object.entries(labels(beyond))) {
     $(`label-${name}`).textContent = text;
     const part = DIRECTIONS.includes(name) ? "controls.component" : "controls.coordinate";
-    for (const input of document.querySelectorAll(`.place[data-quantity="${name}"] input`)) input.ariaLabel = say(part, { name, label: text, axis: input.dataset.axis });
+    for (const input of document.querySelectorAll(`.place[data-quantity="${name}"] input`)) input.ariaLabel = say(part, { name: SYMBOL[name] ?? name, label: text, axis: input.dataset.axis });
     if (!SLIDERS[name]) continue;
-    const said = { name: { prisms: "N", pupil: "p", focus: "s" }[name] ?? name, label: text };
+    const said = { name: SYMBOL[name], label: text };
     const [least, most] = RANGES[name].map(brief);
     $(`slider-${name}`).ariaLabel = say("controls.slider", said);
     Object.assign($(`number-${name}`), { ariaLabel: say("controls.number", said), title: say("controls.range", { least, most }) });

@@ -41,10 +41,12 @@ export function say(key, values = {}) {
 }
 
 const filled = (text, values) => text.replace(/\{([\w/]+)(?:\.(\w+))?\}/g, (_, name, form = "name") => {
-  const value = values[name], text = typeof value === "object" ? value[form] : value;
-  // among letters from right to left, a number with its signs stays as it is: a mark from left to right is on both its sides
-  return table.dir === "rtl" && !/[\u0590-\u08ff]/.test(text) ? `\u200e${text}\u200e` : text;
+  const value = values[name];
+  return isolated(typeof value === "object" ? value[form] : value);
 });
+
+// Among letters from right to left, a text has its own direction, so that a number keeps its signs. Letters alone join others.
+export const isolated = (text) => (table.dir === "rtl" && /[^\u0600-\u06ff\s]/.test(text) ? `\u2068${text}\u2069` : text);
 
 // The forms of a thing's name.
 export function forms(name, values = {}) {
@@ -52,7 +54,7 @@ export function forms(name, values = {}) {
 }
 
 export const percent = (share) => new Intl.NumberFormat(table.locale, { style: "percent" }).format(share);
-export const listed = (parts) => list.format(parts);
+export const listed = (parts) => list.format(parts.map(isolated));
 
 // A number's digits, as toFixed writes them, with the language's decimal sign.
 export const localised = (digits) => digits.replace(".", decimal);
@@ -78,21 +80,30 @@ export const marked = (text) => text.replaceAll("&", "&amp;").replace(/<(?!\/?(i
 const ofSheets = (what) => Object.fromEntries(Object.entries(data.parameters).map(([name, parameter]) => [name, parameter[what]]));
 /** @type {Record<string, string>} */
 export const SYMBOL = { ...ofSheets("symbol"), z1: "z₁", z2: "z₂", prisms: "N", alpha2: "α₂", d: "d", pupil: "p", focus: "s" };
-const UNIT = { ...ofSheets("unit"), z1: "tiles", z2: "tiles", alpha2: "°", d: "tiles", pupil: "tiles", focus: "tiles" };
+const UNIT = { ...ofSheets("unit"), z1: "tiles", z2: "tiles", alpha2: "°", d: "tiles", pupil: "tiles", focus: "tiles", L: "tiles", E: "tiles" };
 
 // The settings that can be replaced.
 export const SETTINGS = [...Object.keys(SYMBOL), "L", "E", "piece", "sheet", "sheet2", "windows"];
 
 const raised = (n) => [...String(n)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
-// The number that someone has typed, with a decimal point or comma, as a fraction, or with a unit. NaN if it is none.
-export function readNumber(text) {
-  const plain = text.replaceAll(",", ".").replaceAll("−", "-").replace(new RegExp(`(°|${entry("units.typed").split(" ").join("|")})\\s*$`), "");
-  const parts = plain.split("/");
-  if (parts.length > 2 || !parts.every((part) => part.trim())) return NaN;
-  const [above, below = 1] = parts.map(Number);
-  return above / below;
+const NUMBER = "[+-]?(?:\\d+\\.?\\d*|\\.\\d+)(?:e[+-]?\\d+)?";
+const TYPED = new RegExp(`^(${NUMBER})(?:\\s*/\\s*(${NUMBER}))?\\s*(.*)$`, "i");
+
+// What someone has typed: a number x with a decimal point or comma, or a fraction, in any digits, NaN if it is none; and of the
+// names in `units.typed`, those that the unit behind it can be, which may be half typed.
+export function typedNumber(text) {
+  const plain = text.replace(/[\u200e\u200f\u061c\u2066-\u2069\u066c]/g, "").replace(/[\u0660-\u0669\u06f0-\u06f9]/g, (digit) => String(digit.charCodeAt(0) % 16))
+    .replace(/[,\u060c\u066b]/g, ".").replace(/[−–]/g, "-");
+  const [, above, below = "1", rest = ""] = TYPED.exec(plain.trim()) ?? [], unit = rest.replace(/^°.*/, "deg").toLowerCase();
+  const begins = ([, words]) => words.toLowerCase().split(" ").some((word) => word.startsWith(unit));
+  const known = [data.languages.en.units.typed, entry("units.typed")].flatMap(Object.entries);
+  const units = unit ? known.filter(begins).map(([name]) => name) : [];
+  return { x: unit && !units.length ? NaN : Number(above) / Number(below), units };
 }
+export const readNumber = (text) => typedNumber(text).x;
+// Whether a text may become a number.
+export const beginsNumber = (text) => /^[\s.,\u060c\u066b+−–-]*$/.test(text);
 
 // The text of toFixed, toPrecision or toExponential with typographic signs. A number that rounds to 0 has no sign.
 export function printed(text) {
@@ -107,6 +118,8 @@ export const brief = (x) => (Number.isFinite(x) ? printed(String(Number(x.toPrec
 export const rough = (x) => printed(String(Number(x.toPrecision(2))));
 export const angle = (x) => (Number.isNaN(x) ? say("numbers.undefined") : `${fixed(x / radians(1), 1)}°`);
 
+// The unit in which a quantity is typed, a name in `units.typed`; "" if it has none.
+export const typedUnit = (name) => (isAngle(name) ? "degrees" : UNIT[name] ?? "");
 export const isAngle = (name) => Boolean(UNIT[name]?.startsWith("°"));
 // The unit behind a number: "°/tile" and "tiles" are said in words.
 export const unitText = (unit) => unit.replace(/tiles?/, (word) => say(`units.${word}`));

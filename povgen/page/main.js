@@ -16,6 +16,7 @@ import { drawOverlay, stage } from "./overlay.js";
 import { drawCompare, view, writeFailure } from "./picture.js";
 import { player, povray, reducedMotion } from "./player.js";
 import "./room.js";
+import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
 import "./teaching.js";
@@ -48,6 +49,7 @@ function drawPage() {
   drawMeasure(now);
   placeHandles(now);
   showMarks();
+  tell(now);
   player.draw(now);
   tour.draw();
   povray.draw();

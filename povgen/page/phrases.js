@@ -7,7 +7,7 @@ import { abs, arg, minus } from "./complex.js";
 import { data } from "./data.js";
 import { angle, brief, entry, fixed, forms, listed, percent, placeText, rough, say, tilesText } from "./language.js";
 import { contents, imagingPole, possibleError, SHOWN } from "./moment.js";
-import { lightInWindow } from "./rays.js";
+import { at, lightInWindow } from "./rays.js";
 import { state } from "./state.js";
 
 export const pieceName = (piece) => pieceForms(piece).name;
@@ -27,6 +27,19 @@ export function placeSaid([x, y]) {
   return ways.length ? say("place.from", { list: listed(ways) }) : say("place.middle");
 }
 
+// Where rays go, for those who do not see them: through the window, and from there to the plane of the eye or of the object.
+export function raysSaid({ windows, z1, z2 }, rays) {
+  const good = rays.filter(({ kind }) => kind === "designed");
+  if (!good.length) return "";
+  const [z, point] = state.light === "pencil" ? [-z2, "E"] : [windows.at(-1).z + z1, "L"];
+  /** @type {(points: any[]) => any} */
+  const middle = (points) => [0, 1].map((k) => points.reduce((sum, each) => sum + each[k] / points.length, 0));
+  const ends = good.map((ray) => at(ray, z)), place = middle(ends);
+  const said = say("light.where", { window: placeSaid(middle(good.map(({ points }) => points[1]))), point, place: placeSaid(place) });
+  if (good.length === 1) return said;
+  return `${said} ${say("light.spread", { tiles: tilesText(middle(ends.map((end) => [abs(minus(end, place)), 0]))[0], (x) => fixed(x, 2)) })}`;
+}
+
 // `of`: the forms of the name of what appears turned. In some languages its gender counts.
 export function turnedBy(nu, of) {
   const degrees = (Math.abs(nu) / radians(1)).toFixed(1);
@@ -34,13 +47,13 @@ export function turnedBy(nu, of) {
   return say(`turned.${way}`, { angle: angle(Math.abs(nu)), thing: of });
 }
 
-export const doubt = (now) => (possibleError(now) < 1280 ? say("seen.doubt", { pixels: rough(possibleError(now)) }) : say("seen.doubt_wide"));
+// By how much the prediction can be wrong: `possibleError` is in pixels of a picture that is 1280 wide.
+export const doubt = (now) => (possibleError(now) < 1280 ? say("seen.doubt", { share: percent(Math.ceil(possibleError(now) / 12.8) / 100) }) : say("seen.doubt_wide"));
 
-// How much of the window shows the picture, and how much stray light.
+// The shares of the light in the window.
 function percents({ designed, stray }) {
   const whole = [designed, stray].map((share) => Math.round(100 * share));
-  const [picture, astray, lost] = [...whole, 100 - whole[0] - whole[1]].map((number) => percent(number / 100));
-  return { picture, stray: astray, lost };
+  return Object.fromEntries(["designed", "stray", "lost"].map((name, k) => [name, percent([...whole, 100 - whole[0] - whole[1]][k] / 100)]));
 }
 export const lightShares = (now) => say("light.shares", percents(lightInWindow(now)));
 
@@ -53,7 +66,7 @@ function moireAlpha(window) {
 // The warnings about the light in the window: povgen/scene/warnings.py, with the same limits.
 export function lightWarnings(now) {
   const light = lightInWindow(now), { designed } = data.limits, found = [];
-  if (light && light.designed < designed) found.push(say("seen.stray", { ...percents(light), least: percent(designed) }));
+  if (light && light.designed < designed * (1 - light.beside)) found.push(say("seen.stray", { ...percents(light), least: percent(designed) }));
   for (const [sheet, sentence] of [["detailed", "bands"], ["lenticular", "bands_lenses"]]) {
     const parallel = now.windows.find((window) => window.sheet === sheet && Math.abs(((window.values.alpha + 540) % 360) - 180) < moireAlpha(window));
     if (parallel) found.push(say(`seen.${sentence}`, { least: rough(moireAlpha(parallel)) }));
@@ -89,7 +102,10 @@ export function poleSentence(now) {
   return sentence(contents(now).has("pedestal") ? "pedestal" : "elsewhere");
 }
 
-// "2 tiles in front of the first window". An image behind the eye cannot be seen standing in the air.
+const AT_EYE = 0.02;  // of z2: so near to the eye, an image is neither in front of it nor behind it
+
+// "2 tiles in front of the first window". An image at the eye or behind it cannot be seen standing in the air.
 export function imagePlace(W, z2, window) {
-  return say(`image.${W >= 0 ? "behind" : -W > z2 ? "behind_eye" : "front"}`, { tiles: tilesText(Math.abs(W)), window: forms(window) });
+  const place = W >= 0 ? "behind" : Math.abs(W + z2) < AT_EYE * z2 ? "at_eye" : -W > z2 ? "behind_eye" : "front";
+  return say(`image.${place}`, { tiles: tilesText(Math.abs(W)), window: forms(window) });
 }

@@ -119,11 +119,11 @@ function solved(matrix, right) {
   return [0, 1, 2].map((k) => area(matrix.map((row, j) => row.map((x, n) => (n === k ? right[j] : x)))) / whole);
 }
 
-const SIDE = 32;
+const RAYS = 7000;  // in 130 scenes their shares were wrong by 1.3 points at most: with rounding, by less than 2
 let kept = { key: "", found: null };
 
-// The shares of designed and of stray light, as povgen/optics/shares.py defines them. The rest is lost. Rays that miss a later
-// window are left out. null without prisms.
+// The shares of designed and of stray light, as povgen/optics/shares.py defines them, and of the rays that miss a later window.
+// Those, and the rest, are lost. null without prisms.
 export function lightInWindow(now) {
   if (!now.glass) return null;
   const { E, z2, windows, scene } = now;
@@ -131,12 +131,11 @@ export function lightInWindow(now) {
   const key = JSON.stringify([E, z2, windows.map(({ sheet, z, values }) => [sheet, z, pick(values, ...names)])]);
   if (kept.key === key) return kept.found;
   const count = { designed: 0, stray: 0, back: 0, lost: 0, beside: 0 }, front = z2 - depth(scene) / 2;
-  for (let n = 0; n < SIDE ** 2; n++) {
-    const [x, y] = [n % SIDE, Math.floor(n / SIDE)].map((cell, k) => ((cell + ((0.5 + n * STEPS[k]) % 1)) / SIDE - 0.5) * scene.aperture);
+  for (let n = 0; n < RAYS; n++) {
+    const [x, y] = STEPS.map((step) => (((0.5 + n * step) % 1) - 0.5) * scene.aperture);
     count[traced(now, [...E, -z2], [x - E[0], y - E[1], front]).kind]++;
   }
-  const all = SIDE ** 2 - count.beside || 1;
-  kept = { key, found: { designed: count.designed / all, stray: count.stray / all } };
+  kept = { key, found: { designed: count.designed / RAYS, stray: count.stray / RAYS, beside: count.beside / RAYS } };
   return kept.found;
 }
 

@@ -10,10 +10,10 @@ import { $, clamped, data, refresh } from "./data.js";
 import { angle, brief, say, tilesText } from "./language.js";
 import { seenAt, SHOWN } from "./moment.js";
 import { outlineOf } from "./outline.js";
-import { imagePlace, lightShares, thing } from "./phrases.js";
+import { imagePlace, lightShares, raysSaid, thing } from "./phrases.js";
 import { at, bundle, fieldRays, hasField, meeting, perpendicularLoop } from "./rays.js";
 import { along, arrowhead, dot, heading, line, svg, words } from "./shapes.js";
-import { FLOOR, session, state } from "./state.js";
+import { FLOOR, isEmpty, session, state } from "./state.js";
 import { passage } from "./trace.js";
 
 const space = $("space"), box = $("space-box"), stage = $("stage");
@@ -32,6 +32,7 @@ export function drawSpace(now) {
   space.replaceChildren(...drawing.parts(view, rem));
   if (drawing.squeeze < 1 && height >= LOW) space.append(words("scale", [width / 2, height - Math.max(0.8 * rem, 12)], say("light.shorter", { times: brief(1 / drawing.squeeze) })));
   $("light-says").textContent = [drawing.says, ...(now.glass && state.light !== "prism" ? [lightShares(now)] : [])].join(" ");
+  $("light-where").textContent = drawing.where ?? "";
   for (const button of $("cameras").children) button.setAttribute("aria-pressed", String(session.camera) === String(CAMERAS[button.value]));
   place();
 }
@@ -94,7 +95,7 @@ function scene(now) {
   const eye = [...E, -z2], object = [...L, last + z1], squeeze = Math.min(1, LONGEST / (z2 + last + z1));
   const outer = scene.aperture / 2 + scene.rim, frames = windows.flatMap(({ z }) => corners(outer, z));
   const rays = state.light === "field" ? [] : bundle(now), shown = rays.filter(({ kind }) => state.stray || kind === "designed");
-  const image = state.light === "pencil" && now.sheet !== "none" ? meeting(now.glass ? bundle(now, 11) : rays) : null;
+  const image = state.light === "pencil" && !isEmpty() ? meeting(now.glass ? bundle(now, 11) : rays) : null;
   const near = image && image[2] > -1.6 * z2 - 1 && image[2] < last + 2 * z1 + 4 && Math.hypot(image[0], image[1]) < 6 ? image : null;
   const ground = presets.hasPiece(state.scene) ? FLOOR : -outer, below = squeeze < 1 ? 1.6 : 0.6;  // under it the scale is said
   const half = presets.hasPiece(state.scene) ? data.pedestals[state.piece] : radii[objects.indexOf(z1)];
@@ -109,7 +110,7 @@ function scene(now) {
   ];
   const field = state.light === "field" && hasField(now) ? perpendicularLoop(now) : null;
   if (field) extent.push(...field.points.map((point) => room(point)));
-  return { extent, squeeze, says: says(now, rays, image, field), parts: (view, rem) => [
+  return { extent, squeeze, says: says(now, rays, image, field), where: raysSaid(now, rays), parts: (view, rem) => [
     ...floor(now, view, ground),
     ...dimensions(now, view, ground, rem),
     ...[...windows].reverse().flatMap((window) => windowParts(now, window, view)),
@@ -240,8 +241,8 @@ function dimensions({ z1, z2, d, windows }, { to, low }, ground, rem) {
 function says(now, rays, image, field) {
   const { windows, z2, E } = now, count = (kind) => rays.filter((ray) => ray.kind === kind).length;
   const paths = [];
-  if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("back") + count("lost") }));
-  if (count("beside")) paths.push(say("light.beside", { count: count("beside"), number: count("beside") }));
+  if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("back") + count("lost") + count("beside") }));
+  else if (count("beside")) paths.push(say("light.beside", { count: count("beside"), number: count("beside") }));
   if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
   if (field) return say(Math.abs(field.gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(field.gap)) });
   if (state.light === "field") return say("light.no_field");
@@ -249,7 +250,7 @@ function says(now, rays, image, field) {
   if (state.light === "eye") return [say("light.eye", { number: rays.length }), ...paths].join(" ");
   const good = rays.filter(({ kind }) => kind === "designed");
   const reach = good.filter((ray) => abs(minus(at(ray, -z2), E)) < 0.05);
-  const meets = !image ? say("light.nowhere") : reach.length === good.length ? say("light.pole")
+  const meets = isEmpty() ? say("light.straight") : !image ? say("light.nowhere") : reach.length === good.length ? say("light.pole")
     : say(image[2] < windows[0].z ? "light.real" : "light.virtual", { place: imagePlace(image[2], z2, now.d ? "first_window" : "window") });
   return [say("light.pencil", { number: rays.length }), ...paths, meets].join(" ");
 }

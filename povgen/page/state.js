@@ -155,6 +155,8 @@ export const inSeries = () => state.windows === 2 && !["single", "lenticular"].i
 // The kinds of the sheets in the windows.
 export const kinds = () => [state.sheet, ...(inSeries() ? [state.sheet2 === "same" ? state.sheet : state.sheet2] : [])];
 
+export const isEmpty = () => kinds().every((sheet) => sheet === "none");
+
 // Whether a sheet does something else than to rotate light about its normal. One sheet of prisms, alone, has equations of its own.
 export const isGeneral = () => kinds().some((sheet, n, { length }) => sheet in data.kinds || (sheet === "single" && length > 1));
 

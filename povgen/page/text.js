@@ -10,12 +10,14 @@ import { angle, brief, briefly, entry, fixed, forms, listed, prismsText, quantit
 import { contents, frameDepth, outside, pupilBlur, unsure } from "./moment.js";
 import { absent, bare, doubt, imagePlace, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
 import { isAsked, QUESTIONS } from "./questions.js";
-import { kinds, RANGES, session, state, usesAlpha } from "./state.js";
+import { isEmpty, kinds, RANGES, session, state, usesAlpha } from "./state.js";
 
-// What is seen, in a sentence or two. While a question is asked, the class is to find it.
+// Whether a class is to find what is seen: a question is asked, or it is to be measured.
+export const isToBeFound = () => isAsked() || (session.measuring && state.question < 0 && !session.measured);
+
+// What is seen, in a sentence or two.
 export function explanation(now) {
-  if (isAsked()) return [say("seen.asked"), ...limitsMet(now)].join(" ");
-  if (session.measuring && state.question < 0 && !session.measured) return limitsMet(now).join(" ");  // a class is to measure it
+  if (isToBeFound()) return [...(isAsked() ? [say("seen.asked")] : []), ...limitsMet(now)].join(" ");
   const first = QUESTIONS[state.question]?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
@@ -34,7 +36,7 @@ export const seen = (now) => [...(now.general ? [work(now)] : []), ...objectSeen
 function objectSeen(now) {
   const { M, nu, height, z1, z2, general, beyond, turned = nu } = now, shown = contents(now).has("thing");
   const times = (size) => timesText(size / bare(now)), single = now.sheet === "single" && !beyond;
-  if (shown && kinds().every((sheet) => sheet === "none")) return [say(beyond ? "seen.free_series" : "seen.free", { thing: thing(), times: timesText(M) })];
+  if (shown && isEmpty()) return [say(beyond ? "seen.free_series" : "seen.free", { thing: thing(), times: timesText(M) })];
   if (single && !Number.isFinite(height)) return [say("seen.single_pole", { times: times(M) })];
   if (now.beside) return [say("seen.beside", { thing: thing() })];
   if (now.nearPole) return [poleSentence(now)];
@@ -95,16 +97,15 @@ export function describe(now) {
 export function settingSaid(now) {
   const prisms = prismsText(now.scene.prisms);
   const [first, second] = kinds().map((sheet) => ofKind(sheet, "model", { prisms }));
-  const through = kinds().every((sheet) => sheet === "none") ? "free" : now.d ? "two" : "one";
+  const through = isEmpty() ? "free" : now.d ? "two" : "one";
   const seenAs = say(`describe.${through}`, { thing: thing(), first, second, tiles: now.d && tilesText(now.d) });
   const values = listed([...parametersOf(now).flat(), `z₁ = ${brief(now.z1)}`, `z₂ = ${quantity("z2", now.z2)}`, ...eyeValues(now)]);
   return `${seenAs} ${values}.`;
 }
 
-// Why an object turns less than the mountains. While a class is to find it or to measure it, nothing.
+// Why an object turns less than the mountains.
 function reason(now) {
-  const found = isAsked() || (session.measuring && state.question < 0 && !session.measured);
-  if (found || !now.two || !now.alpha || now.nearPole || !presets.hasPiece(state.scene) || !contents(now).has("thing")) return [];
+  if (isToBeFound() || !now.two || !now.alpha || now.nearPole || !presets.hasPiece(state.scene) || !contents(now).has("thing")) return [];
   return [say("describe.reason", { turned: turnedBy(now.alpha, forms("mountains")) })];
 }
 

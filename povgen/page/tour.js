@@ -90,7 +90,7 @@ export const tour = {
     $("spoken").textContent = say("tour.left");
     const focused = $("tour").contains(document.activeElement);
     this.draw();
-    if (focused) $("tour-start").focus();
+    if (focused) $(state.level === "simple" ? "tour-start" : "share-open").focus();
     refresh();
   },
 
@@ -109,10 +109,15 @@ export const tour = {
   },
 };
 
-$("tour-start").addEventListener("click", () => {
+function begin() {
   tour.start(true);
   tour.draw();
   $("tour-next").focus();  // the button is gone
+}
+$("tour-start").addEventListener("click", begin);
+$("tour-again").addEventListener("click", () => {
+  $("share-open").click();  // its sheet closes
+  begin();
 });
 $("tour-next").addEventListener("click", () => tour.go(tour.step + 1));
 on("tour-pause", "click", () => (tour.paused = !tour.paused));

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import translations  # docs/translations.py
 from conftest import PROJECT
 
 from povgen.inputs.pieces import PIECES
@@ -57,6 +58,15 @@ def test_a_language_has_all_sentences_with_the_same_words_in_braces(language):
             assert len(value) == len(ENGLISH[key]), key
         if isinstance(value, dict):
             assert all({*marks(text)[0]} <= {*marks(value["other"])[0]} for text in value.values()), key
+
+
+def test_a_reader_sees_every_sentence_beside_its_translation():
+    text = translations.page("de", "ar")
+    rows = dict(re.findall(r"<tr><th>(.*?)</th>(.*)</tr>", text))
+    assert rows["page.reset"] == '<td lang="de" dir="ltr">Zurücksetzen</td><td lang="ar" dir="rtl">إعادة الضبط</td>'
+    assert rows["page.keys"].startswith('<td lang="de" dir="ltr">&lt;kbd&gt;Leertaste')
+    lone = {key for key, value in sentences(TABLES["de"]).items() if isinstance(value, str)}
+    assert lone < rows.keys() and {"tour.steps 10", "counts.tiles.few", "things.pawn.des"} < rows.keys()
 
 
 def test_no_line_of_french_breaks_before_a_mark():

@@ -85,6 +85,12 @@ def test_what_is_changed_is_said(page):
         ("z1", "2,5", 2.5, ""),
         ("prisms", "10.4", 10, "N is a whole number."),
         ("alpha", "12 or so", 180, "“12 or so” is not a number."),
+        ("alpha", "3 tiles", 180, "“3 tiles”: α is in degrees."),
+        ("alpha", "45deg", 45, ""),
+        ("alpha", "−", 45, ""),
+        ("alpha", "0x10", 45, "“0x10” is not a number."),
+        ("prisms", "12 tiles", 10, "“12 tiles”: N has no unit."),
+        ("Ey", "1°", None, "“1°”: y of E is in tiles."),
         ("Ey", "-5", None, "y of E is at least −1.6: the floor is below."),
     ):
         field = page.locator(f"#number-{name}")
@@ -92,11 +98,11 @@ def test_what_is_changed_is_said(page):
         field.blur()
         page.evaluate("draw()")
         text = page.locator("#sentence").text_content()
-        assert said in text if said else not re.search("at least|at most|number", text), text
+        assert said in text if said else not re.search("at least|at most|number|“", text), text
         if value is not None:
             assert page.evaluate("({ ...state })")[name] == value
     page.locator("#number-alpha").press("ArrowDown")
-    assert page.evaluate("state.alpha") == 179
+    assert page.evaluate("state.alpha") == 44
 
 
 def test_arrow_keys_choose_the_next_sphere(page):
@@ -123,7 +129,7 @@ def test_few_large_prisms_push_eye_and_object_away(page):
 @pytest.mark.parametrize("level", ["simple", "expert"])
 def test_one_sheet_has_no_angle_and_two_sizes(page, level):
     show(page, sheet="single", z1=2, z2=6, level=level)
-    expect(page.locator("#value-nu")).to_have_text("mirrored")
+    expect(page.locator("#value-nu")).to_have_text("no angle: it is mirrored")
     expect(page.locator("#about-nu")).to_be_empty()
     expect(page.locator("#value-bare")).to_have_text("width × 1, height × 2")
     expect(page.locator("#about-bare")).to_be_hidden()

@@ -8,6 +8,12 @@ from demo.conftest import centre, opened, show
 from povgen.liveview.languages import tables
 from povgen.page.page import ALL_KINDS
 
+# The names and other hidden texts of what is shown, with a Latin word.
+HIDDEN = """[...document.querySelectorAll("*")].filter((part) => (part.closest("select") ?? part).checkVisibility())
+  .flatMap((part) => [part.ariaLabel, part.title, part.getAttribute("aria-valuetext"),
+    part.matches(".hidden-text:not([role=status]), option, output") && part.textContent])
+  .filter((text) => text && /[A-Za-z]{3}/.test(text))"""
+
 
 @pytest.mark.parametrize(
     ("locale", "language"), some([("de-AT", "de"), ("ar-EG", "ar"), ("nl-NL", "en")], 1, several=True)
@@ -59,8 +65,13 @@ def test_from_right_to_left_the_picture_and_numbers_stay(page):
         assert centre(page, "#predicted") == pytest.approx(place, abs=0.01)
         assert page.evaluate("getComputedStyle($('number-Lx')).direction") == "ltr"
         place = "\u22120.30, \u22120.85"
-        assert f"\u200e{place}\u200e" in page.evaluate("(place) => say('pole.at', { place })", place)
-        assert "\u200e0.3\u200e" in page.evaluate("describe(moment())")
+        assert f"\u2068{place}\u2069" in page.evaluate("(place) => say('pole.at', { place })", place)
+        said = page.evaluate("describe(moment())")
+        assert "\u20680.3\u2069" in said and "\u2068α = 66.0°\u2069" in said
+        page.locator("#number-alpha").fill("−٤٥٫٥ درجة")
+        assert page.evaluate("state.alpha") == -45.5
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        page.evaluate("change({ sheet: 'glens' }); draw()")
+        assert {*page.evaluate(HIDDEN)} <= {"صورة POV-Ray", *(table["name"] for table in tables(ALL_KINDS).values())}
     finally:
         page.evaluate("choose('en'); draw()")

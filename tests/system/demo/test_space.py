@@ -1,5 +1,7 @@
 """The view of the light in space, and the two levels of the page."""
 
+import re
+
 import numpy as np
 import pytest
 import ray_field as field
@@ -18,18 +20,25 @@ def drawn(page, kind):
 
 def test_at_the_pole_all_rays_of_L_reach_the_eye(page):
     show(page, light="pencil", alpha=180, z1=6, L=[0, 0])
-    expect(page.locator(SAYS)).to_contain_text("reach the eye: the pole")
+    expect(page.locator(SAYS)).to_contain_text("reach the eye, so L alone fills the window: the pole")
     assert drawn(page, "path.designed, #space .ray.designed") == 25
     # in one call: the view may be drawn anew between two
     middles = """[".pupil", "circle.image"].map((part) => {
       const { left, right } = document.querySelector(`#space ${part}`).getBoundingClientRect();
       return (left + right) / 2;
     })"""
+    expect(page.locator("#space-turn")).to_have_accessible_description(
+        re.compile(r"the plane of E: opposite the window’s middle\. Their mean distance from it there: 0.00 tiles\.$")
+    )
     eye, image = page.evaluate(middles)
     assert abs(eye - image) < 8
     show(page, alpha=66, z1=2)
     expect(page.locator(SAYS)).to_contain_text("L has no image")
     expect(page.locator("#space circle.image")).to_have_count(0)
+    show(page, sheet="none")
+    expect(page.locator(SAYS)).to_contain_text(
+        "No sheet turns them: they run straight on and move apart. So L has no image"
+    )
 
 
 @pytest.mark.parametrize(

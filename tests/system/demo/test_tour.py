@@ -100,6 +100,17 @@ def test_who_goes_from_step_to_step_sees_and_hears_where_each_one_ends(tour):
         expect(spoken).to_have_text(re.compile(f"^{text}.*{seen}"))
 
 
+def test_it_begins_at_the_level_of_experts_too(page):
+    more = page.get_by_role("button", name="More")
+    more.click()
+    page.get_by_role("button", name="Guided start").click()
+    expect(more).to_have_attribute("aria-expanded", "false")
+    expect(page.get_by_role("button", name="Next")).to_be_focused()
+    assert page.evaluate("[tour.step, state.level]") == [0, "expert"]
+    page.keyboard.press("Escape")
+    expect(more).to_be_focused()
+
+
 def test_who_moves_something_takes_over(tour):
     tour.locator("#number-z1").fill("3")
     assert tour.evaluate("[tour.step, state.z1]") == [-1, 3]

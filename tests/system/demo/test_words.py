@@ -17,14 +17,14 @@ SERIES = {"sheet": "ideal", "windows": 2, "alpha": 120, "alpha2": 120, "d": 2, "
 
 def test_the_pole_is_said_in_words_view_and_diagram(page):
     for values, words, seen in (
-        ({"alpha": 180, "z1": 6}, "The pole: one point", "one point of the knight fills the window"),
+        ({"alpha": 180, "z1": 6}, "point of the knight, straight in front", "one point of the knight fills the window"),
         ({"alpha": 180, "z1": 5.8}, "Near the pole", "0.1 tiles of the knight fill the window"),
         ({"alpha": 180, "z1": 6, "E": [1.5, 0.5]}, "The knight is not there", "nothing of the knight is seen"),
-        ({"E": [0, -1.4]}, "of the pedestal, one point", "one point of the pedestal fills the window"),
-        (LENSLETS, "Near the pole: a part", "0.15 tiles of the knight fill the window"),
+        ({"E": [0, -1.4]}, "comes from one point of the pedestal", "one point of the pedestal fills the window"),
+        (LENSLETS, "comes from a part of the knight’s plane", "0.15 tiles of the knight fill the window"),
         (LENS, "in one point, at (−1.00, 0.00). The knight is not there", "nothing of the knight is seen"),
         (MIRROR, "plane in a line at 45.0°", "one line of the knight’s plane fills the window"),
-        (SERIES, "The pole: one point of the knight", "one point of the knight fills the window"),
+        (SERIES, "comes from one point of the knight", "one point of the knight fills the window"),
     ):
         if "sheet" in values:
             page.evaluate("fromHash('')")
@@ -35,6 +35,8 @@ def test_the_pole_is_said_in_words_view_and_diagram(page):
     show(page)
     expect(page.locator("#diagram")).to_contain_text("P is infinitely far away")
     expect(page.locator("#value-nu")).to_have_text("undefined")
+    show(page, z1=6.05, light="pencil")
+    expect(page.locator("#light-says")).to_contain_text("in front of the window, as far from it as your eye: a real")
     show(page, z1=3)
     expect(page.locator("#overlay .say")).to_have_count(0)
     show(page, sheet="single", z1=6)
@@ -86,6 +88,26 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     expect(field).to_have_attribute("aria-invalid", "true")
     field.press("ArrowDown")
     expect(field).to_have_attribute("aria-invalid", "false")
+
+
+def test_a_tone_tells_angle_and_size(page):
+    """An octave above 440 Hz for 90 degrees. It does not give an answer away."""
+    page.get_by_role("button", name="More").click()
+    sound = page.get_by_role("button", name="Sound")
+    expect(sound).to_have_attribute("aria-pressed", "false")
+    sound.click()
+    expect(sound).to_have_accessible_description(re.compile("its pitch tells ν .* its loudness the size"))
+    page.evaluate(
+        "draw(); window.loudness = []; sound.volume.gain.setTargetAtTime = (value) => loudness.push(value); 0"
+    )
+    show(page, alpha=90, z1=6)  # turned by 45 degrees, and twice 0.707 times as large
+    assert page.evaluate("sound.tone.frequency.value") == pytest.approx(440 * 2**0.5, rel=1e-5)
+    assert page.evaluate("loudness") == [pytest.approx(0.15 * 2**0.5), 0]
+    page.evaluate("openQuestion(1); change({ z1: 3 }); draw()")
+    assert page.evaluate("sound.tone.frequency.value") == pytest.approx(440 * 2**0.5, rel=1e-5)
+    sound.click()
+    assert page.evaluate("sound.tone") is None
+    page.get_by_role("button", name="More").click()
 
 
 def test_questions_are_predicted_and_revealed(page):
