@@ -3,7 +3,7 @@
 import { hasPiece } from "../liveview/presets.js";
 import { pick } from "./data.js";
 import { choose, LANGUAGES, spoken } from "./language.js";
-import { MOST_CHOICES, QUESTIONS, revealed, setOwn } from "./questions.js";
+import { end, isRevealed, MOST_CHOICES, QUESTIONS, setOwn } from "./questions.js";
 import { change, CHOICES, inSeries, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
@@ -33,14 +33,14 @@ export function toHash() {
 }
 
 // Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
-// answer has not been revealed is shown as before its answer.
+// answer has not been revealed is shown as before its answer; the others, if the address does not say more, as with it.
 export function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
-  const values = valuesOf(given);
+  let values = valuesOf(given);
   if (LANGUAGES.includes(given.get("language"))) choose(given.get("language"), true);
   const question = given.has("own") ? own(given.get("own")) : QUESTIONS.findIndex(({ name }) => name === given.get("question"));
   if (QUESTIONS[question]) {
-    Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
+    values = isRevealed(question) ? { ...end(QUESTIONS[question]), ...values, question } : { ...values, ...QUESTIONS[question].before, question };
     session.lastQuestion = question;
   }
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
@@ -59,9 +59,7 @@ function own(text) {
     const then = last.sheet ? { ...pick(OPENING, "windows", "compare", "pupil", "focus"), ...last } : last;  // toHash leaves these out
     const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => name !== "question"));
     session.own_question = text;
-    const n = setOwn({ ask, choices, why, before: { ...opening, ...START[first.scene ?? "chess"], ...first }, after: then });
-    revealed.delete(n);
-    return n;
+    return setOwn({ ask, choices, why, before: { ...opening, ...START[first.scene ?? "chess"], ...first }, after: then });
   } catch {
     return -1;
   }

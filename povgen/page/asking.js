@@ -3,10 +3,11 @@
 import { hasPiece } from "../liveview/presets.js";
 import { fromHash, SWITCHES, toHash } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";
+import { keep, work } from "./kept.js";
 import { percent, printed, readNumber, say } from "./language.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask as textOf, choices, isAsked, MOST_CHOICES, QUESTIONS, revealed, why } from "./questions.js";
+import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, prediction, QUESTIONS, why } from "./questions.js";
 import { change, OPENING, session, state, WHOLE } from "./state.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
@@ -19,7 +20,7 @@ export function openQuestion(n) {
   session.replaced = null;
   if (n >= 0) {
     session.lastQuestion = n;
-    ask(n);
+    askAnew(n);
   } else {
     change({ ...session.explored, level: state.level, question: -1 });
   }
@@ -28,9 +29,11 @@ export function openQuestion(n) {
 }
 
 // Show a question as before its answer.
-function ask(n) {
+export function askAnew(n) {
+  const answer = work.answers[QUESTIONS[n].name];
   endGlide();
-  revealed.delete(n);
+  if (answer) delete answer.given;
+  keep();
   drawnQuestion = null;
   session.drawn = null;
   change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, question: n });
@@ -38,14 +41,17 @@ function ask(n) {
 
 let asksForNumber = false;
 
+const made = () => /** @type {string | null} */ (new FormData($("question-form")).get("prediction"));
+
 // Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since.
 export function reveal() {
   /** @type {any} */
   const question = QUESTIONS[state.question];
-  const given = question.match ? String(isMatched(question)) : new FormData($("question-form")).get("prediction");
+  const given = question.match ? String(isMatched(question)) : made();
   session.drawn = question.match ? null : session.dashed;
-  revealed.set(state.question, given);
-  glide({ ...question.before, ...(typeof question.after === "function" ? question.after() : question.after) });
+  work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given };
+  keep();
+  glide(end(question));
 }
 
 // Any input ends the movement: the page is then at its end.
@@ -88,7 +94,7 @@ const offered = () => [...QUESTIONS.keys()].filter((n) => n === state.question |
 
 // The panel is written anew, because the language has changed, or when its question is open again.
 export function rewriteQuestion() {
-  if (drawnQuestion) kept = { question: drawnQuestion, made: new FormData($("question-form")).get("prediction") };
+  if (drawnQuestion) kept = { question: drawnQuestion, made: made() };
   drawnQuestion = null;
 }
 
@@ -102,15 +108,16 @@ export function drawQuestion() {
   /** @type {any} */
   const question = QUESTIONS[n];
   if (question !== drawnQuestion) {
-    $("ask").textContent = textOf(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
+    $("ask").textContent = ask(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
     $("prediction").replaceChildren(...(question.match ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
     drawnQuestion = question;
     asksForNumber = false;
   }
   $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });
-  $("reveal").hidden = revealed.has(n);
-  $("again").hidden = !revealed.has(n);
+  const shown = isRevealed(n);
+  $("reveal").hidden = shown;
+  $("again").hidden = !shown;
   const open = (id) => !$(id).hidden;
   if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   aid("votes").hidden = !choices(question);
@@ -120,16 +127,16 @@ export function drawQuestion() {
   aid("drawing").setAttribute("aria-expanded", String(open("drawing")));
   session.dashed = dashedOutline(question, open("drawing"));
   for (const input of $("prediction").querySelectorAll("input")) {
-    input.disabled = revealed.has(n);
-    const made = revealed.get(n) ?? (kept?.question === question ? kept.made : null);
-    if (made && input.type === "radio") input.checked = input.value === made;
-    else if (made) input.value = made;
-    input.parentNode.classList.toggle("right", revealed.has(n) && input.type === "radio" && Number(input.value) === question.answer());
+    input.disabled = shown;
+    const given = prediction(n) ?? (kept?.question === question ? kept.made : null);
+    if (given && input.type === "radio") input.checked = input.value === given;
+    else if (given) input.value = given;
+    input.parentNode.classList.toggle("right", shown && input.type === "radio" && Number(input.value) === question.answer());
   }
   kept = null;
-  const said = element("p", {}, ...(revealed.has(n) ? answerText(question) : asksForNumber ? [say("asking.number_first")] : []));
+  const said = element("p", {}, ...(shown ? answerText(question, prediction(n)) : asksForNumber ? [say("asking.number_first")] : []));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
-  write("drawn-answer", revealed.has(n) && session.drawn && !session.gliding ? compared(session.drawn) : "");
+  write("drawn-answer", shown && session.drawn && !session.gliding ? compared(session.drawn) : "");
   $("previous").disabled = n === offered().at(0);
   $("next").disabled = n === offered().at(-1);
 }
@@ -161,15 +168,12 @@ const numberInput = ({ name, tolerance }) => element("label", {}, element("input
   ` ${say("asking.within", { unit: say(`questions.${name}.unit`), tolerance: printed(String(tolerance)) })}`);
 
 // Whether the class is right, the answer, and why.
-function answerText(question) {
-  const given = revealed.get(QUESTIONS.indexOf(question));
+function answerText(question, given) {
   if (question.match) return [element("strong", {}, say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
   const right = question.answer();
-  const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
-  const isRight = choices(question) ? Number(given) === right : Math.abs(readNumber(given) - right) <= near;
   const number = question.tolerance && printed(String(Number(right.toFixed(Math.max(1, -Math.floor(Math.log10(question.tolerance)))))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
-  const said = say(`asking.${given ? (isRight ? "yes" : "no") : "answer"}`, { answer });
+  const said = say(`asking.${given ? (isRight(question, given) ? "yes" : "no") : "answer"}`, { answer });
   return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ` ${why(question)}`];
 }
 
@@ -187,8 +191,8 @@ $("question-form").addEventListener("submit", (event) => {
   }
 });
 $("again").addEventListener("click", () => {
-  if (!revealed.has(state.question)) return;
-  ask(state.question);
+  if (state.question < 0 || isAsked()) return;
+  askAnew(state.question);
   drawQuestion();
   refresh();
   $("ask").focus();
@@ -203,17 +207,21 @@ for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
 
 // ---- The votes of a class, before and after it has discussed a question: a number for each choice, and bars ----
 
-const votes = new Map();  // the questions, and for each one or two lists of votes
-
 function drawVotes(question) {
   const offers = choices(question), none = () => offers.map(() => 0);
   if (!offers) return $("votes").replaceChildren();
-  const rounds = votes.get(question) ?? votes.set(question, [none()]).get(question), given = rounds.at(-1);
+  const rounds = work.votes[question.name] ?? [none()], given = rounds.at(-1);
+  const count = () => {
+    work.votes[question.name] = rounds;
+    keep();
+    refresh();
+  };
   const rows = offers.map((choice, k) => {
     const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field", ariaLabel: say("asking.votes_for", { choice }) });
     field.addEventListener("input", () => {
       given[k] = Math.max(0, Math.round(Number(field.value)) || 0);
       show();
+      count();
     });
     const bars = rounds.map(() => element("i")), share = element("output", { ariaLive: "off" });  // the field says the number
     return { row: element("label", {}, element("span", {}, choice), field, element("span", { className: "track" }, ...bars), share), bars, share };
@@ -226,6 +234,7 @@ function drawVotes(question) {
   const again = element("button", { type: "button", textContent: say("asking.vote_again"), hidden: rounds.length > 1 });
   again.addEventListener("click", () => {
     rounds.push(none());
+    count();
     drawVotes(question);
     $("votes").querySelector("input").focus();
   });

@@ -6,6 +6,7 @@ import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPiece } from "../liveview/presets.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
 import { $, clamped, element, on, refresh, write } from "./data.js";
+import { keep, work } from "./kept.js";
 import { angle, brief, fixed, localised, printed, readNumber, say, separator, SYMBOL, tilesText } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
 import { outlineOf } from "./outline.js";
@@ -18,7 +19,7 @@ const FARTHEST = [2.4, 1.8];  // from the picture's middle
 /** @type {Record<string, any>} */
 const points = { A: [0, -0.75], B: [0, 0.35], C: [0.6, 0.2] };
 /** @type {{alpha: number, z1: number, z2: number, nu: string, M: string}[]} */
-export const rows = [];
+export const rows = work.rows;
 
 // What the tool measures: the angle from the arm AB to the arm AC, counter-clockwise, and the lengths of both.
 function measured() {
@@ -101,6 +102,7 @@ $("write-down").addEventListener("click", () => {
   const { z1, z2 } = moment();
   const row = { alpha: state.alpha, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? fixed(AC / tall, 2) : "" };
   rows.push(row);
+  keep();
   $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, M: row.M });
   drawRows();
 });
@@ -116,11 +118,13 @@ export function drawRows() {
       const value = localised(row[name].replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
       return element("input", { className: "field", value, autocomplete: "off", ariaLabel, oninput: ({ target }) => {
         row[name] = target.value;
+        keep();
         refresh();
       } });
     };
     const remove = element("button", { type: "button", className: "what", ariaLabel: say("measure.remove", { n: n + 1 }), onclick: () => {
       rows.splice(n, 1);
+      keep();
       drawRows();
       $("write-down").focus();
     } }, "×");

@@ -5,7 +5,8 @@ import { windows } from "../liveview/presets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
 import { data } from "./data.js";
 import * as equations from "./equations.js";
-import { brief, entry, fixed, forms, say } from "./language.js";
+import { work } from "./kept.js";
+import { brief, entry, fixed, forms, readNumber, say } from "./language.js";
 import { turnedBy } from "./phrases.js";
 import { BEYOND, OPENING, START, state } from "./state.js";
 
@@ -198,6 +199,16 @@ export const choices = ({ name, ways, degrees, shown }) => shown ?? degrees?.map
 export const why = ({ name, numbers, own }) => own?.why ?? ["why", ...(state.level === "expert" && entry(`questions.${name}.formula`) ? ["formula"] : [])]
   .map((part) => say(`questions.${name}.${part}`, numbers?.())).join(" ");
 
-export const revealed = new Map();  // the numbers of the questions, and the predictions that were made
+// What the page shows with the answer.
+export const end = (question) => ({ ...question.before, ...(typeof question.after === "function" ? question.after() : question.after) });
 
-export const isAsked = () => state.question >= 0 && !revealed.has(state.question);
+export function isRight(question, given) {
+  if (question.match) return given === "true";
+  const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
+  return choices(question) ? Number(given) === question.answer() : Math.abs(readNumber(given) - question.answer()) <= near;
+}
+
+// The prediction for a question whose answer is shown: null if none was made, undefined while the question is asked.
+export const prediction = (n) => work.answers[QUESTIONS[n].name]?.given;
+export const isRevealed = (n) => prediction(n) !== undefined;
+export const isAsked = () => state.question >= 0 && !isRevealed(state.question);

@@ -1,9 +1,10 @@
 """Measuring on the page's picture: the protractor, the ruler, the table and its curves."""
 
 import pytest
+from conftest import NAMES
 from playwright.sync_api import expect
 
-from demo.conftest import show
+from demo.conftest import opened, show
 
 
 @pytest.fixture
@@ -120,3 +121,47 @@ def test_rows_are_in_the_plots_and_in_the_pages_language(measure):
         expect(measure.get_by_label("ν in Zeile 1")).to_be_visible()
     finally:
         measure.evaluate("choose('en'); draw()")
+
+
+def test_work_survives_the_page(browser, demo_file):
+    page, faults = opened(browser, demo_file, "#sheet=ideal", reduced_motion="reduce")
+    made = """["[data-say='kept.kept'], .kept:not([hidden])", "#rows tr", "#prediction .right"]
+      .map((each) => document.querySelectorAll(each).length)"""
+    page.locator("#tab-measure").click()
+    page.get_by_role("button", name="Put A, B and C").press("Enter")
+    page.get_by_role("button", name="Write down").click()
+    page.get_by_label("M in row 1").fill("0,9")
+    page.evaluate("draw(); fromHash('#question=near'); draw()")
+    page.get_by_role("radio", name="counter-clockwise").check()
+    page.get_by_role("button", name="Reveal").click()
+    page.get_by_role("button", name="Votes of the class").click()
+    page.locator("#votes input").first.fill("12")
+    page.evaluate("endGlide(); draw(); keepAddress()")
+
+    def again(hash_):
+        page.goto("about:blank")
+        page.goto(demo_file.as_uri() + hash_)
+        page.evaluate(NAMES)
+        page.evaluate("draw()")
+        return page.evaluate(made)
+
+    assert again("#question=near") == [2, 1, 1]
+    assert page.evaluate("[state.alpha, rows[0].M, work.votes.near[0][0]]") == [66, "0,9", 12]  # as with the answer
+    expect(page.locator("#answer")).to_contain_text("Yes: counter-clockwise.")
+    page.locator("#questions .kept").get_by_role("button", name="Delete").click()
+    page.get_by_role("button", name="Keep them").click()
+    assert page.evaluate("isEmpty()") is False
+    page.locator("#questions .kept").get_by_role("button", name="Delete").click()
+    page.locator("#delete-all").click()
+    expect(page.locator("#answer")).to_be_empty()
+    expect(page.get_by_role("button", name="Reveal")).to_be_visible()
+    assert again("#question=near") == [0, 0, 0]
+
+    page.evaluate("void (Storage.prototype.setItem = () => { throw Error(); })")  # as in private windows
+    page.get_by_role("button", name="Reveal").click()
+    expect(page.locator("#questions .kept")).to_contain_text("This browser keeps nothing")
+    with page.expect_event("dialog") as asked:
+        page.evaluate("setTimeout(() => location.reload())")
+    assert asked.value.type == "beforeunload"
+    assert not faults
+    page.close()

@@ -223,7 +223,7 @@ def test_what_was_explored_comes_back_after_the_questions(page):
 
 
 def test_a_link_to_a_question_does_not_show_its_answer(page):
-    page.evaluate("revealed.clear(); fromHash('#question=near&alpha=66')")
+    page.evaluate("fromHash('#question=near&alpha=66')")
     assert page.evaluate("[state.question, state.alpha]") == [1, 0]
     show(page)
     expect(page.locator("#answer")).to_be_empty()

@@ -1,0 +1,36 @@
+// The work of a lesson: measurements, votes and answers. The browser keeps it for the page's address, also of a file.
+
+/** @type {{ rows: any[], votes: Record<string, number[][]>, answers: Record<string, { given?: string | null, first?: boolean | null }> }} */
+export const work = { rows: [], votes: {}, answers: {} };  // votes and answers by the names of the questions
+export const storage = { refused: false };
+
+export const key = () => `povgen ${location.pathname}`;
+export const isEmpty = () => !work.rows.length && !Object.keys({ ...work.votes, ...work.answers }).length;
+
+// Take what has been kept, in place of the present work.
+export function take() {
+  let kept = null;
+  try {
+    kept = JSON.parse(localStorage.getItem(key()));
+  } catch { /* nothing has been kept, or the browser refuses */ }
+  const { rows = [], votes = {}, answers = {} } = kept ?? {};
+  work.rows.splice(0, Infinity, ...rows);
+  Object.assign(work, { votes, answers });
+}
+
+export function keep() {
+  try {
+    localStorage.setItem(key(), JSON.stringify(work));
+    storage.refused = false;
+  } catch {
+    storage.refused = true;
+  }
+}
+
+export function clear() {
+  work.rows.splice(0);
+  Object.assign(work, { votes: {}, answers: {} });
+  keep();
+}
+
+take();
