@@ -28,6 +28,7 @@ export function toHash() {
   const asked = QUESTIONS[question];
   if (asked?.own) parts.own = session.own_question;
   else if (asked) parts.question = asked.name;
+  else if (session.measuring) parts.panel = "measure";
   if (spoken.asked) parts.language = spoken.language;
   return `#${Object.entries(parts).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 }
@@ -45,7 +46,7 @@ export function fromHash(hash) {
   }
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
-  [session.replaced, session.own] = [null, {}];
+  [session.replaced, session.own, session.measuring] = [null, {}, given.get("panel") === "measure"];
 }
 
 // The number of a teacher's own question in an address; -1 if it is none.

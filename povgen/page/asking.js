@@ -245,7 +245,7 @@ function drawVotes(question) {
 // ---- A question of a teacher's own, in a link ----
 
 const views = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
-const address = () => toHash().replace(/&(question|own|language)=[^&]*/g, "");
+const address = () => toHash().replace(/&(question|own|panel|language)=[^&]*/g, "");
 
 for (const [id, part] of Object.entries({ start: "before", end: "after" })) {
   $(`own-${id}`).addEventListener("click", () => {

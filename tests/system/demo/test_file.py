@@ -52,3 +52,9 @@ def test_back_and_forward(page):
         page.wait_for_function("(alpha) => state.alpha === alpha", arg=alpha)
         page.evaluate("draw()")
         expect(page.locator("#number-alpha")).to_have_value(str(alpha))
+    page.locator("#tab-measure").click()
+    page.wait_for_function("location.hash.endsWith('&panel=measure')")
+    for go, seen in ((page.go_back, False), (page.go_forward, True)):
+        go()
+        page.wait_for_function("(measuring) => session.measuring === measuring", arg=seen)
+        expect(page.locator("#measure")).to_be_visible(visible=seen)
