@@ -54,7 +54,7 @@ export const session = {
   diagramMap: null,   // from the coordinates of the diagram that is shown to its pixels
   camera: [0.55, 0.3], // the view of the light: azimuth and elevation, radians
   measuring: false,   // whether the panel for measuring is open
-  measured: false,    // whether a class has written down what it has measured
+  answered: false,    // whether the sentence is shown while a class measures
   curtain: 0.5,       // the part of the picture that is to the left of it
   zoom: 1,            // and its size
   marked: "",         // the quantity that is marked in the drawings

@@ -15,7 +15,7 @@ import { kinds, RANGES, session, state, usesAlpha } from "./state.js";
 // What is seen, in a sentence or two. While a question is asked, the class is to find it.
 export function explanation(now) {
   if (isAsked()) return [say("seen.asked"), ...limitsMet(now)].join(" ");
-  if (session.measuring && state.question < 0 && !session.measured) return limitsMet(now).join(" ");  // a class is to measure it
+  if (session.measuring && state.question < 0 && !session.answered) return limitsMet(now).join(" ");  // a class is to measure it
   const first = QUESTIONS[state.question]?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
@@ -98,7 +98,7 @@ export function describe(now) {
 
 // Why an object turns less than the mountains. While a class is to find it or to measure it, nothing.
 function reason(now) {
-  const found = isAsked() || (session.measuring && state.question < 0 && !session.measured);
+  const found = isAsked() || (session.measuring && state.question < 0 && !session.answered);
   if (found || !now.two || !now.alpha || now.nearPole || !presets.hasPiece(state.scene) || !contents(now).has("thing")) return [];
   return [say("describe.reason", { turned: turnedBy(now.alpha, forms("mountains")) })];
 }
