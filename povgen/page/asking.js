@@ -1,13 +1,13 @@
 // The panel of the questions: a class predicts and votes, and the page then shows the answer. Also a teacher's own questions.
 
 import { hasPiece } from "../liveview/presets.js";
-import { fromHash, SWITCHES, toHash } from "./address.js";
+import { coded, fromHash, ownQuestion, settings, SWITCHES } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";
-import { keep, work } from "./kept.js";
+import { keep, saveTable, work } from "./kept.js";
 import { percent, printed, readNumber, say } from "./language.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, prediction, QUESTIONS, why } from "./questions.js";
+import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, why } from "./questions.js";
 import { change, OPENING, session, state, WHOLE } from "./state.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
@@ -45,7 +45,6 @@ const made = () => /** @type {string | null} */ (new FormData($("question-form")
 
 // Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since.
 export function reveal() {
-  /** @type {any} */
   const question = QUESTIONS[state.question];
   const given = question.match ? String(isMatched(question)) : made();
   session.drawn = question.match ? null : session.dashed;
@@ -89,8 +88,11 @@ let drawnQuestion = null;
 let kept = null;  // a prediction and its question, while the panel is written anew
 const NOT_TURNED = ["single", "mirror", "lenticular"];  // sheets whose picture is not the object, turned and sized
 
-// The numbers of the questions of this level, and of the one that is open.
-const offered = () => [...QUESTIONS.keys()].filter((n) => n === state.question || state.level === "expert" || !QUESTIONS[n].expert);
+// The numbers of the questions of this level, and of the one that is open. A teacher's own are on their own.
+const offered = () => {
+  const own = (question) => Boolean(question.own), isOwn = own(QUESTIONS[state.question]);
+  return [...QUESTIONS.keys()].filter((n) => own(QUESTIONS[n]) === isOwn && (n === state.question || state.level === "expert" || !QUESTIONS[n].expert));
+};
 
 // The panel is written anew, because the language has changed, or when its question is open again.
 export function rewriteQuestion() {
@@ -105,7 +107,6 @@ export function drawQuestion() {
     if ($("ask-diagram").contains($("diagram-box"))) moveDiagram();
     return (drawnQuestion = null);
   }
-  /** @type {any} */
   const question = QUESTIONS[n];
   if (question !== drawnQuestion) {
     $("ask").textContent = ask(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
@@ -118,6 +119,7 @@ export function drawQuestion() {
   const shown = isRevealed(n);
   $("reveal").hidden = shown;
   $("again").hidden = !shown;
+  $("own-remove").hidden = !question.own;
   const open = (id) => !$(id).hidden;
   if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   aid("votes").hidden = !choices(question);
@@ -242,16 +244,35 @@ function drawVotes(question) {
   show();
 }
 
-// ---- A question of a teacher's own, in a link ----
+// What a class has voted and answered: a row for each choice, or for the number that was typed.
+function answersTable() {
+  const head = ["name", "question", "answer", "right", "votes", "votes_2", "predicted", "first_try"];
+  const rows = QUESTIONS.filter(({ name }) => work.votes[name] || work.answers[name]).flatMap((question) => {
+    const { first, given } = work.answers[question.name] ?? {}, [votes = [], again = []] = work.votes[question.name] ?? [];
+    const row = (text, k, made) => [question.name, ask(question), text, Number(isRight(question, k)), votes[k], again[k], Number(made), made && first !== null ? Number(first) : undefined];
+    return choices(question)?.map((text, k) => row(text, String(k), given === String(k))) ?? [row(given ?? "", given ?? "", Boolean(given))];
+  });
+  return [head, ...rows];
+}
+$("save-answers").addEventListener("click", () => saveTable("povgen-answers.csv", answersTable()));
 
-const views = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
-const address = () => toHash().replace(/&(question|own|panel|language)=[^&]*/g, "");
+// ---- Questions of a teacher's own, in a link ----
+
+const views = { before: null, after: null };  // the settings that the page shows first, and with the answer
 
 for (const [id, part] of Object.entries({ start: "before", end: "after" })) {
   $(`own-${id}`).addEventListener("click", () => {
-    views[part] = address();
+    views[part] = settings();
     $(`own-${id}`).setAttribute("aria-pressed", true);
   });
+}
+
+// Open one of these questions, or leave the questions if there are none.
+function openOwn(questions, opened) {
+  openQuestion(-1);
+  fromHash(`#level=${state.level}&question=${opened ? nameOf(opened) : ""}&own=${coded(questions)}`);
+  refresh();
+  if (opened) $("ask").focus();
 }
 
 $("own").addEventListener("submit", (event) => {
@@ -261,10 +282,12 @@ $("own").addEventListener("submit", (event) => {
   const complete = texts.ask && texts.choices.length > 1 && texts.choices.length <= MOST_CHOICES;
   $("own-message").textContent = complete ? "" : say("asking.own_missing", { most: MOST_CHOICES });
   if (!complete) return $("own-text").focus();
-  const question = { ...texts, before: views.before || address(), after: views.after || address() };
-  openQuestion(-1);
-  session.own_question = "";  // the same one is asked anew
-  fromHash(`${question.before}&own=${encodeURIComponent(JSON.stringify(question))}`);
-  refresh();
-  $("ask").focus();
+  const question = ownQuestion(texts, views.before ?? settings(), views.after ?? settings());
+  delete work.answers[nameOf(question)];  // the same one is asked anew
+  keep();
+  openOwn([...ownQuestions().filter(({ ask }) => ask !== texts.ask), question], question);
+});
+$("own-remove").addEventListener("click", () => {
+  const others = ownQuestions().filter((own) => own !== QUESTIONS[state.question].own);
+  openOwn(others, others.at(-1));
 });

@@ -1,5 +1,8 @@
 // The work of a lesson: measurements, votes and answers. The browser keeps it for the page's address, also of a file.
 
+import { element } from "./data.js";
+import { localised, separator } from "./language.js";
+
 /** @type {{ rows: any[], votes: Record<string, number[][]>, answers: Record<string, { given?: string | null, first?: boolean | null }> }} */
 export const work = { rows: [], votes: {}, answers: {} };  // votes and answers by the names of the questions
 export const storage = { refused: false };
@@ -25,6 +28,18 @@ export function keep() {
   } catch {
     storage.refused = true;
   }
+}
+
+// A table as CSV. Where the decimal sign is a comma, spreadsheets part columns by semicolons.
+export function csvOf(rows) {
+  const mark = separator().trim();
+  const cell = (value) => (typeof value === "string" ? (/[",;\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value) : Number.isFinite(value) ? localised(String(value)) : "");
+  return rows.map((row) => row.map(cell).join(mark)).join("\r\n");
+}
+
+// The mark at the beginning tells spreadsheets that it is UTF-8.
+export function saveTable(download, rows) {
+  element("a", { href: `data:text/csv;charset=utf-8,${encodeURIComponent(`\ufeff${csvOf(rows)}`)}`, download }).click();
 }
 
 export function clear() {

@@ -6,8 +6,8 @@ import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPiece } from "../liveview/presets.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
 import { $, clamped, element, on, refresh, write } from "./data.js";
-import { keep, work } from "./kept.js";
-import { angle, brief, fixed, localised, printed, readNumber, say, separator, SYMBOL, tilesText } from "./language.js";
+import { csvOf, keep, saveTable, work } from "./kept.js";
+import { angle, brief, fixed, localised, printed, readNumber, say, SYMBOL, tilesText } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
 import { outlineOf } from "./outline.js";
 import { onStage, tilePixels } from "./overlay.js";
@@ -148,19 +148,10 @@ export function drawRows() {
   refresh();
 }
 
-// Where the decimal sign is a comma, spreadsheets part columns by semicolons.
-export function csv() {
-  const mark = separator().trim();
-  return [QUANTITIES.join(mark), ...rows.map((row) => QUANTITIES.map((name) => {
-    if (name === "sheets") return row.sheets.join("+");
-    const x = typeof row[name] === "string" ? readNumber(row[name]) : row[name];
-    return Number.isFinite(x) ? localised(String(x)) : "";
-  }).join(mark))].join("\r\n");
-}
-
-$("save-csv").addEventListener("click", () => {
-  element("a", { href: `data:text/csv;charset=utf-8,${encodeURIComponent(csv())}`, download: "povgen.csv" }).click();
-});
+const table = () => [QUANTITIES, ...rows.map(({ sheets, ...row }) => QUANTITIES.map((name) =>
+  (name === "sheets" ? sheets.join("+") : typeof row[name] === "string" ? readNumber(row[name]) : row[name])))];
+export const csv = () => csvOf(table());
+$("save-csv").addEventListener("click", () => saveTable("povgen.csv", table()));
 
 // ---- The measured numbers over the curves ----
 

@@ -8,6 +8,7 @@ import * as equations from "./equations.js";
 import { work } from "./kept.js";
 import { brief, entry, fixed, forms, readNumber, say } from "./language.js";
 import { turnedBy } from "./phrases.js";
+import { checksum } from "./scramble.js";
 import { BEYOND, OPENING, START, state } from "./state.js";
 
 const UP = {
@@ -54,6 +55,7 @@ const imageAt = (z1) => -imageDepth(windows({ ...data.scenes.chess, sheet: "lens
 // Each: its name in the tables of sentences, where `choices`, `unit` and `why` are; what the page shows with it; the number of the
 // right choice, or a number; what the page then shows; the numbers in `why`, and in `formula`, which only
 // experts read; and what the sentence beside the picture says first. `expert`: only experts are asked.
+/** @type {any[]} */
 export const QUESTIONS = [
   {
     name: "sky",
@@ -181,15 +183,18 @@ export const QUESTIONS = [
 ];
 
 // The choices of a question, or undefined if a number is asked for; and why its answer is right.
-// A question of a teacher's own: { ask, choices, why, before, after }, with the right choice first, and values of the state.
+// A teacher's own questions are behind the page's: { own, before, after }, where `own` has the texts, with the right choice first.
 // The choices are shown in the order of the alphabet.
 const COUNT = QUESTIONS.length;
 export const MOST_CHOICES = 20;
-export function setOwn({ ask, choices, why, before, after }) {
-  const shown = [...choices].sort((a, b) => a.localeCompare(b));
-  QUESTIONS.splice(COUNT, 1, /** @type {any} */ ({ name: "own", own: { ask, choices, why }, shown, before, after, answer: () => shown.indexOf(choices[0]) }));
-  return COUNT;
+export const nameOf = ({ ask, choices }) => `own-${checksum([ask, ...choices].join("\n")).toString(36)}`;
+export function setOwn(questions) {
+  QUESTIONS.splice(COUNT, Infinity, ...questions.map((question) => {
+    const { choices } = question.own, shown = [...choices].sort((a, b) => a.localeCompare(b));
+    return { ...question, name: nameOf(question.own), shown, answer: () => shown.indexOf(choices[0]) };
+  }));
 }
+export const ownQuestions = () => QUESTIONS.slice(COUNT).map(({ own }) => own);
 /** @type {(question: any) => string} */
 export const ask = ({ name, own }) => own?.ask ?? say(`questions.${name}.ask`);
 

@@ -45,7 +45,7 @@ export const session = {
   own: {},            // the user's own values of the choices beyond the paper that have been left
   explored: null,     // what the page showed before the questions
   lastQuestion: 0,
-  own_question: "",   // a teacher's own question, as its address has it
+  own_questions: "",  // a teacher's own questions, as their address has them
   dashed: null,       // the dashed outline on the picture: its angle nu and its magnification M
   drawn: null,        // the outline that was drawn before the answer
   gliding: null,      // the values that the page is going to

@@ -2,6 +2,7 @@
 
 import json
 import re
+from base64 import b64decode
 
 import pytest
 from conftest import sentence
@@ -174,7 +175,11 @@ def test_votes_are_counted(page):
     page.get_by_role("button", name="Votes of the class").click()
 
 
-def test_a_question_of_ones_own_is_a_link(page):
+def scrambled(page):
+    return lambda text: page.evaluate("(text) => `#own=${povgen.scramble.scrambled(text)}`", text)
+
+
+def test_questions_of_ones_own_are_a_link(page):
     page.evaluate("openQuestion(0); draw()")
     page.get_by_role("button", name="A question of your own").click()
     page.get_by_role("button", name="Open the question").click()
@@ -189,22 +194,62 @@ def test_a_question_of_ones_own_is_a_link(page):
     page.locator("#own-why").fill("It is so.")
     page.get_by_role("button", name="Open the question").click()
     page.wait_for_function("state.question >= 0")
-    link = page.evaluate("draw(), toHash()")
     assert page.evaluate("spoken.language") == "en"  # the language is not part of the question
-    page.evaluate("choose('en'); session.own_question = ''; openQuestion(-1); fromHash('')")
+    page.evaluate("change({ alpha: 20 })")
+    page.locator("#own-start").click()
+    page.locator("#own-text").fill("And, now?")
+    page.locator("#own-choices").fill("left\nright\nback")
+    page.get_by_role("button", name="Open the question").click()
+    page.wait_for_function("state.alpha === 20")
+    page.evaluate("draw()")
+    page.locator("#level").uncheck()
+    page.locator("#previous").click()
+    link = page.evaluate("draw(), toHash()")
+    assert len(link) < 350  # room for more questions in a QR code
+    code = link.partition("own=")[2]
+    for text in (link, b64decode(code + "===", "-_").decode("latin1")):
+        assert "down" not in text and "left" not in text
+    page.evaluate("openQuestion(-1); fromHash('')")
+    assert page.evaluate("QUESTIONS.length") == 20
     page.evaluate("(link) => { fromHash(link); draw(); }", link)
     expect(page.locator("#ask")).to_have_text("Which way <b>now</b>?")
-    assert page.evaluate("state.alpha") == 10
+    expect(page.locator("#question-count")).to_have_text("Question 1 of 2")
+    assert page.evaluate("[state.alpha, state.level]") == [10, "simple"]
     page.get_by_role("radio", name="up").check()
     page.evaluate("reveal(); endGlide(); draw()")
     assert page.evaluate("state.alpha") == 70
     expect(page.locator("#answer")).to_have_text("Yes: up. It is so.")
-    many = json.dumps({"ask": "a", "choices": ["b"] * 21, "why": "", "before": "", "after": ""})
-    for wrong in ("{", many, '{"ask": "a", "choices": ["b"], "why": "", "before": "", "after": ""}', '{"ask": 1}'):
-        page.evaluate("(text) => fromHash(`#own=${encodeURIComponent(text)}`)", wrong)
-        assert page.evaluate("state.question") == -1
-    page.evaluate("QUESTIONS.pop()")
-    page.evaluate("document.querySelector('[aria-controls=own]').click()")
+    page.get_by_role("button", name="Votes of the class").click()
+    page.locator("#votes input").nth(1).fill("7")
+    page.get_by_role("button", name="Votes of the class").click()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save CSV").click()
+    name = page.evaluate("QUESTIONS[20].name")
+    assert download.value.path().read_text("utf-8-sig").splitlines() == [
+        "name,question,answer,right,votes,votes_2,predicted,first_try",
+        f"{name},Which way <b>now</b>?,down & out,0,0,,0,",
+        f"{name},Which way <b>now</b>?,up,1,7,,1,1",
+    ]
+    page.locator("#next").click()
+    page.evaluate("draw()")
+    expect(page.locator("#ask")).to_have_text("And, now?")
+    page.evaluate("$('level').click(); draw(); $('own-remove').click(); draw()")
+    expect(page.locator("#question-count")).to_have_text("Question 1 of 1")
+    old = json.dumps({"ask": "a?", "choices": ["b", "c"], "why": "", "before": "#sheet=none", "after": "#alpha=9"})
+    page.evaluate("(text) => fromHash(`#own=${encodeURIComponent(text)}`)", old)  # of an earlier version
+    assert page.evaluate("[ask(QUESTIONS[state.question]), state.sheet]") == ["a?", "none"]
+    many = json.dumps([["a", "", "", "", *"b" * 21]])
+    for wrong in (
+        link[:-1],
+        link[:-4],
+        link[: len(link) // 2 + 60],
+        "#own={",
+        *map(scrambled(page), (many, '[["a", "", "", "", "b"]]')),
+    ):
+        page.evaluate("(link) => { fromHash(link); draw(); }", wrong)
+        assert page.evaluate("[state.question, QUESTIONS.length]") == [-1, 20]
+        expect(page.locator("#sentence")).to_contain_text("The link is not complete: its questions are missing.")
+    page.evaluate("openQuestion(0); draw(); document.querySelector('[aria-controls=own]').click()")
 
 
 def test_an_input_ends_the_movement_to_the_answer(page):
