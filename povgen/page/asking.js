@@ -7,7 +7,7 @@ import { keep, saveTable, work } from "./kept.js";
 import { percent, printed, readNumber, say } from "./language.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, why } from "./questions.js";
+import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why } from "./questions.js";
 import { change, OPENING, session, state, WHOLE } from "./state.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
@@ -116,6 +116,8 @@ export function drawQuestion() {
     asksForNumber = false;
   }
   $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });
+  const tries = offered().map((k) => work.answers[QUESTIONS[k].name]?.first).filter((first) => typeof first === "boolean");
+  write("score", tries.length ? say("asking.score", { right: tries.filter(Boolean).length, count: tries.length }) : "");
   const shown = isRevealed(n);
   $("reveal").hidden = shown;
   $("again").hidden = !shown;
@@ -176,7 +178,7 @@ function answerText(question, given) {
   const number = question.tolerance && printed(String(Number(right.toFixed(Math.max(1, -Math.floor(Math.log10(question.tolerance)))))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
   const said = say(`asking.${given ? (isRight(question, given) ? "yes" : "no") : "answer"}`, { answer });
-  return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ` ${why(question)}`];
+  return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ...[reason(question, given), why(question)].filter(Boolean).map((text) => ` ${text}`)];
 }
 
 $("question-form").addEventListener("submit", (event) => {

@@ -213,6 +213,12 @@ export function isRight(question, given) {
   return choices(question) ? Number(given) === question.answer() : Math.abs(readNumber(given) - question.answer()) <= near;
 }
 
+// Why a wrong prediction is wrong: `wrong` has a sentence for each choice, or for numbers that are too small and too large.
+export function reason(question, given) {
+  const said = entry(`questions.${question.name}.wrong`);
+  return (given && !isRight(question, given) && said?.[choices(question) ? given : Number(readNumber(given) > question.answer())]) || "";
+}
+
 // The prediction for a question whose answer is shown: null if none was made, undefined while the question is asked.
 export const prediction = (n) => work.answers[QUESTIONS[n].name]?.given;
 export const isRevealed = (n) => prediction(n) !== undefined;
