@@ -32,7 +32,7 @@ export function openQuestion(n) {
 export function askAnew(n) {
   const answer = work.answers[QUESTIONS[n].name];
   endGlide();
-  if (answer) delete answer.given;
+  if (answer) answer.shown = false;
   keep();
   drawnQuestion = null;
   session.drawn = null;
@@ -48,7 +48,7 @@ export function reveal() {
   const question = QUESTIONS[state.question];
   const given = question.match ? String(isMatched(question)) : made();
   session.drawn = question.match ? null : session.dashed;
-  work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given };
+  work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
   keep();
   glide(end(question));
 }

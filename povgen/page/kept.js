@@ -3,8 +3,10 @@
 import { element } from "./data.js";
 import { localised, separator } from "./language.js";
 
-/** @type {{ rows: any[], votes: Record<string, number[][]>, answers: Record<string, { given?: string | null, first?: boolean | null }> }} */
-export const work = { rows: [], votes: {}, answers: {} };  // votes and answers by the names of the questions
+// Votes and answers are by the names of the questions. An answer: the last prediction; whether the first one was right, null if
+// the answer was shown without one; and whether it is shown.
+/** @type {{ rows: any[], votes: Record<string, number[][]>, answers: Record<string, { given: string | null, first: boolean | null, shown: boolean }> }} */
+export const work = { rows: [], votes: {}, answers: {} };
 export const storage = { refused: false };
 
 export const key = () => `povgen ${location.pathname}`;
@@ -48,4 +50,7 @@ export function clear() {
   keep();
 }
 
+// A page that is opened asks its questions anew, as a second class needs it. One that is loaded again shows what it showed.
 take();
+const [opening] = globalThis.performance?.getEntriesByType("navigation") ?? [];
+if (/** @type {any} */ (opening)?.type === "navigate") for (const answer of Object.values(work.answers)) answer.shown = false;

@@ -219,7 +219,7 @@ export function reason(question, given) {
   return (given && !isRight(question, given) && said?.[choices(question) ? given : Number(readNumber(given) > question.answer())]) || "";
 }
 
-// The prediction for a question whose answer is shown: null if none was made, undefined while the question is asked.
-export const prediction = (n) => work.answers[QUESTIONS[n].name]?.given;
-export const isRevealed = (n) => prediction(n) !== undefined;
+export const isRevealed = (n) => Boolean(work.answers[QUESTIONS[n].name]?.shown);
+// The prediction for a question whose answer is shown.
+export const prediction = (n) => (isRevealed(n) ? work.answers[QUESTIONS[n].name].given : null);
 export const isAsked = () => state.question >= 0 && !isRevealed(state.question);
