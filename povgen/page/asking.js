@@ -5,6 +5,7 @@ import { coded, fromHash, ownQuestion, settings, SWITCHES } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";
 import { keep, saveTable, work } from "./kept.js";
 import { percent, printed, readNumber, say } from "./language.js";
+import { moment } from "./moment.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
 import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why } from "./questions.js";
@@ -43,14 +44,27 @@ let asksForNumber = false;
 
 const made = () => /** @type {string | null} */ (new FormData($("question-form")).get("prediction"));
 
-// Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since.
-export function reveal() {
+// Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since. A challenge that
+// is done stays as it is.
+export function reveal(done = false) {
   const question = QUESTIONS[state.question];
-  const given = question.match ? String(isMatched(question)) : made();
-  session.drawn = question.match ? null : session.dashed;
+  const given = question.goal ? String(done) : question.match ? String(isMatched(question)) : made();
+  session.drawn = question.match || question.goal ? null : session.dashed;
   work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
   keep();
-  glide(end(question));
+  if (!done) glide(end(question));
+}
+
+// A challenge is done when the settings rest where its goal is.
+let resting = 0;
+function notice(question) {
+  const holds = () => question?.goal && question === QUESTIONS[state.question] && isAsked() && question.goal(moment());
+  clearTimeout(resting);
+  if (holds()) resting = setTimeout(() => {
+    if (!holds()) return;
+    reveal(true);
+    refresh();
+  }, 700);
 }
 
 // Any input ends the movement: the page is then at its end.
@@ -102,6 +116,7 @@ export function rewriteQuestion() {
 
 export function drawQuestion() {
   const n = state.question;
+  notice(QUESTIONS[n]);
   if (n < 0) {
     session.dashed = null;
     if ($("ask-diagram").contains($("diagram-box"))) moveDiagram();
@@ -110,7 +125,7 @@ export function drawQuestion() {
   const question = QUESTIONS[n];
   if (question !== drawnQuestion) {
     $("ask").textContent = ask(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
-    $("prediction").replaceChildren(...(question.match ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
+    $("prediction").replaceChildren(...(question.match || question.goal ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
     drawnQuestion = question;
     asksForNumber = false;
@@ -126,7 +141,7 @@ export function drawQuestion() {
   if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
-  aid("drawing").hidden = Boolean(question.match) || !hasPiece(state.scene) || NOT_TURNED.includes(last);
+  aid("drawing").hidden = Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last);
   if (aid("drawing").hidden) $("drawing").hidden = true;
   aid("drawing").setAttribute("aria-expanded", String(open("drawing")));
   session.dashed = dashedOutline(question, open("drawing"));
@@ -173,6 +188,7 @@ const numberInput = ({ name, tolerance }) => element("label", {}, element("input
 
 // Whether the class is right, the answer, and why.
 function answerText(question, given) {
+  if (question.goal) return [element("strong", {}, say(`asking.${given === "true" ? "done" : "one_way"}`)), ` ${why(question)}`];
   if (question.match) return [element("strong", {}, say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
   const right = question.answer();
   const number = question.tolerance && printed(String(Number(right.toFixed(Math.max(1, -Math.floor(Math.log10(question.tolerance)))))));

@@ -7,7 +7,7 @@ import { data } from "./data.js";
 import * as equations from "./equations.js";
 import { work } from "./kept.js";
 import { brief, entry, fixed, forms, readNumber, say } from "./language.js";
-import { turnedBy } from "./phrases.js";
+import { bare, turnedBy } from "./phrases.js";
 import { checksum } from "./scramble.js";
 import { BEYOND, OPENING, START, state } from "./state.js";
 
@@ -49,12 +49,15 @@ const LENSES = { lenses: 100, ratio: 1, f_number: 3, index: data.scenes.chess.in
 const fieldText = (values) => degreesText(Math.atan(fieldOf(values)) / radians(1));
 // The magnification of heights by one infinitely fine sheet.
 const heightOf = (z1, z2) => equations.mirrored([0, 1], [0, 0], z1, z2, { slab_shift: 0 })[1];
+// From where what is at z1 = 2 is seen four times as large at 180 degrees as without sheets: (z2 + z1)/(z2 - z1) = 4.
+const EYE = 10 / 3;
 // How far in front of a lens of focal length 4 the image of what is at z1 is.
 const imageAt = (z1) => -imageDepth(windows({ ...data.scenes.chess, sheet: "lens", focal_length: 4, window: [] }), z1);
 
 // Each: its name in the tables of sentences, where `choices`, `unit` and `why` are; what the page shows with it; the number of the
 // right choice, or a number; what the page then shows; the numbers in `why`, and in `formula`, which only
-// experts read; and what the sentence beside the picture says first. `expert`: only experts are asked.
+// experts read; and what the sentence beside the picture says first. `expert`: only experts are asked. `goal`: a challenge, which
+// has no answer, but is done when this holds for what is seen.
 /** @type {any[]} */
 export const QUESTIONS = [
   {
@@ -180,6 +183,22 @@ export const QUESTIONS = [
     before: { ...UP, ...BEYOND.series }, tolerance: 0.1, after: { E: [0.8, 0] },
     answer: () => 8 - equations.depth(2, 8, radians(120), [[2, radians(120)]])[0],
   },
+  {
+    name: "quarter",
+    before: { ...UP, alpha: 66 }, after: { alpha: 120, z1: 12 },
+    goal: ({ nu }) => Math.abs(Math.abs(nu) - radians(90)) < radians(3),
+  },
+  {
+    name: "again",
+    before: { ...UP, alpha: 66 }, after: { alpha: 180 },
+    goal: (now) => Math.abs(now.nu) < radians(3) && now.M / bare(now) > 1.5,
+  },
+  {
+    name: "where",
+    before: { ...UP, alpha: 180 }, after: { z2: EYE },
+    goal: (now) => Math.abs(now.degrees) > 179 && Math.abs(now.z1 - 2) < 0.01 && Math.abs(now.M / bare(now) - 4) < 0.3,
+    numbers: () => ({ z2: brief(EYE) }),
+  },
 ];
 
 // The choices of a question, or undefined if a number is asked for; and why its answer is right.
@@ -208,7 +227,7 @@ export const why = ({ name, numbers, own }) => own?.why ?? ["why", ...(state.lev
 export const end = (question) => ({ ...question.before, ...(typeof question.after === "function" ? question.after() : question.after) });
 
 export function isRight(question, given) {
-  if (question.match) return given === "true";
+  if (question.match || question.goal) return given === "true";
   const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
   return choices(question) ? Number(given) === question.answer() : Math.abs(readNumber(given) - question.answer()) <= near;
 }

@@ -14,7 +14,7 @@ import { kinds, RANGES, session, state, usesAlpha } from "./state.js";
 
 // What is seen, in a sentence or two. While a question is asked, the class is to find it.
 export function explanation(now) {
-  if (isAsked()) return [say("seen.asked"), ...limitsMet(now)].join(" ");
+  if (isAsked()) return [say(QUESTIONS[state.question].goal ? "seen.challenge" : "seen.asked"), ...limitsMet(now)].join(" ");
   if (session.measuring && state.question < 0 && !session.answered) return limitsMet(now).join(" ");  // a class is to measure it
   const first = QUESTIONS[state.question]?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
