@@ -16,7 +16,7 @@ export const isEmpty = () => !work.rows.length && !Object.keys({ ...work.votes, 
 export function take() {
   let kept = null;
   try {
-    kept = JSON.parse(localStorage.getItem(key()));
+    kept = JSON.parse(globalThis.location && localStorage.getItem(key()));
   } catch { /* nothing has been kept, or the browser refuses */ }
   const { rows = [], votes = {}, answers = {} } = kept ?? {};
   work.rows.splice(0, Infinity, ...rows);
