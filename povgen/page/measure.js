@@ -4,6 +4,7 @@
 import { radians } from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPiece } from "../liveview/presets.js";
+import { settings } from "./address.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
 import { $, clamped, element, on, refresh, write } from "./data.js";
 import { csvOf, keep, saveTable, work } from "./kept.js";
@@ -36,6 +37,8 @@ function height() {
 
 let shown = false;
 let moved = false;  // whether a point was moved since the last row
+let told = "";      // the settings whose answer is shown
+const present = () => JSON.stringify(settings());
 
 export function drawMeasure(now) {
   const on = session.measuring && state.question < 0;
@@ -47,6 +50,10 @@ export function drawMeasure(now) {
   $("tool").toggleAttribute("hidden", !on);
   for (const name of Object.keys(points)) $(`point-${name}`).hidden = !on;
   if (!on) return;
+  if (session.answered && told !== present()) {  // the answer of other settings is not asked for
+    session.answered = false;
+    refresh();
+  }
   $("write-down").disabled = !moved;
   $("move-first").hidden = moved;
   $("tell").setAttribute("aria-pressed", session.answered);
@@ -117,7 +124,10 @@ $("write-down").addEventListener("click", () => {
   drawRows();
   $("point-C").focus({ preventScroll: true });  // the button waits until a point is moved
 });
-on("tell", "click", () => (session.answered = !session.answered));
+on("tell", "click", () => {
+  session.answered = !session.answered;
+  told = present();
+});
 on("put-on", "click", () => {
   const now = moment(), tall = height() || now.radii[now.objects.indexOf(now.z1)];
   lay(now, minus(apparentPosition(now, plus(now.L, [0, tall])), now.place));

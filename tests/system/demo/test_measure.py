@@ -91,6 +91,9 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     expect(measure.locator("#sentence")).to_be_empty()
     measure.get_by_role("button", name="Show the answer").press("Enter")
     expect(measure.locator("#sentence")).to_contain_text("turned by 18.4°")
+    show(measure, alpha=91)
+    expect(measure.locator("#sentence")).to_be_empty()
+    show(measure, alpha=90)
     label = measure.locator("#plot-nu").get_attribute("aria-label")
     assert label == "ν over α. By the equation, ν is now 18.4°. Measured points: 1."
     assert {"30", "α / °", "ν / °"} <= {*measure.locator("#plot-nu text").all_text_contents()}
