@@ -53,7 +53,7 @@ def test_back_and_forward(page):
         page.evaluate("draw()")
         expect(page.locator("#number-alpha")).to_have_value(str(alpha))
     page.locator("#tab-measure").click()
-    page.wait_for_function("location.hash.endsWith('&panel=measure')")
+    page.wait_for_function("location.hash.includes('&panel=measure')")
     for go, seen in ((page.go_back, False), (page.go_forward, True)):
         go()
         page.wait_for_function("(measuring) => session.measuring === measuring", arg=seen)
