@@ -2,15 +2,18 @@
 
 import { hasPiece } from "../liveview/presets.js";
 import { pick } from "./data.js";
-import { choose, LANGUAGES, spoken } from "./language.js";
-import { MOST_CHOICES, QUESTIONS, revealed, setOwn } from "./questions.js";
+import { choose, LANGUAGES, say, spoken } from "./language.js";
+import { end, isRevealed, MOST_CHOICES, QUESTIONS, setOwn } from "./questions.js";
+import { scrambled, unscrambled } from "./scramble.js";
 import { change, CHOICES, inSeries, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
 export const SWITCHES = ["position", "circles", "image", "caption", "stray", "large"];
 
-export function toHash() {
-  const { scene, sheet, piece, question } = state;
+// The settings, without the level, which is whose page it is.
+export function settings() {
+  const { scene, sheet, piece } = state;
+  /** @type {Record<string, string>} */
   const parts = { scene, sheet };
   if (hasPiece(scene)) parts.piece = piece;
   for (const name of ["alpha", "z1", "z2", "prisms"]) parts[name] = short(state[name]);
@@ -22,49 +25,77 @@ export function toHash() {
   parts.diagram = state.diagram;
   parts.light = state.light;
   if (state.light === "aim") parts.W = state.W.map(short).join(",");
-  parts.level = state.level;
   if (state.compare !== "off") parts.compare = state.compare;
-  /** @type {any} */
-  const asked = QUESTIONS[question];
-  if (asked?.own) parts.own = session.own_question;
-  else if (asked) parts.question = asked.name;
+  return parts;
+}
+
+export function toHash() {
+  const asked = QUESTIONS[state.question];
+  /** @type {Record<string, string>} */
+  const parts = { ...(asked?.own ? {} : settings()), level: state.level };  // a teacher's question has its own, and its link is short
+  if (asked) parts.question = asked.name;
+  else if (session.measuring) parts.panel = "measure";
   if (spoken.asked) parts.language = spoken.language;
+  if (session.own_questions) parts.own = session.own_questions;  // the last part, which is lost first where a link is cut
   return `#${Object.entries(parts).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 }
 
 // Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
-// answer has not been revealed is shown as before its answer.
+// answer has not been revealed is shown as before its answer; the others, if the address does not say more, as with it.
 export function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
-  const values = valuesOf(given);
+  let values = valuesOf(given);
   if (LANGUAGES.includes(given.get("language"))) choose(given.get("language"), true);
-  const question = given.has("own") ? own(given.get("own")) : QUESTIONS.findIndex(({ name }) => name === given.get("question"));
+  const complete = takeOwn(given.get("own") ?? "");
+  const first = given.get("own")?.startsWith("{") ? ({ own }) => own : ({ name }) => name === given.get("question");
+  const question = QUESTIONS.findIndex(first);
   if (QUESTIONS[question]) {
-    Object.assign(values, { question }, revealed.has(question) ? {} : QUESTIONS[question].before);
+    values = isRevealed(question) ? { ...end(QUESTIONS[question]), ...values, question } : { ...values, ...QUESTIONS[question].before, question };
     session.lastQuestion = question;
   }
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
-  [session.replaced, session.own] = [null, {}];
+  if (!complete) session.refusals = [say("asking.own_cut")];
+  [session.replaced, session.own, session.measuring] = [null, {}, given.get("panel") === "measure"];
 }
 
-// The number of a teacher's own question in an address; -1 if it is none.
-function own(text) {
-  if (text === session.own_question) return QUESTIONS.findIndex((/** @type {any} */ question) => question.own);
+// ---- A teacher's own questions: { ask, choices, why, before, after }, with the right choice first. `before` says how the settings
+// differ from those that the page opens with, and `after` how they differ from `before`. ----
+
+const USUAL = settings();
+const joined = (parts) => Object.entries(parts).map(([name, value]) => `${name}=${value}`).join("&");
+const parted = (text) => Object.fromEntries(new URLSearchParams(text));
+const differing = (from, to) => joined(pick({ ...Object.fromEntries(Object.keys(from).map((name) => [name, ""])), ...to }, ...Object.keys({ ...from, ...to }).filter((name) => from[name] !== to[name])));
+
+// A question with the settings, as settings() returns them, before its answer and with it.
+export const ownQuestion = (texts, first, last) => ({ ...texts, before: differing(USUAL, first), after: differing(first, last) });
+export const coded = (questions) => (questions.length ? scrambled(JSON.stringify(questions.map(({ ask, why, before, after, choices }) => [ask, why, before, after, ...choices]))) : "");
+
+// Take the questions of an address. Return whether it is complete.
+function takeOwn(code) {
+  if (code === session.own_questions) return true;
+  setOwn([]);
+  session.own_questions = "";
   try {
-    const { ask, choices, why, before, after } = JSON.parse(text);
-    const texts = [ask, why, before, after, ...choices];
-    if (choices.length < 2 || choices.length > MOST_CHOICES || !ask || !texts.every((each) => typeof each === "string")) return -1;
-    const [first, last] = [before, after].map((hash) => valuesOf(new URLSearchParams(hash.slice(1))));
-    const then = last.sheet ? { ...pick(OPENING, "windows", "compare", "pupil", "focus"), ...last } : last;  // toHash leaves these out
-    const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => name !== "question"));
-    session.own_question = text;
-    const n = setOwn({ ask, choices, why, before: { ...opening, ...START[first.scene ?? "chess"], ...first }, after: then });
-    revealed.delete(n);
-    return n;
+    if (code) setOwn(decoded(code));
+    session.own_questions = code;
+    return true;
   } catch {
-    return -1;
+    return false;
   }
+}
+
+function decoded(code) {
+  const found = code.startsWith("{") ? [JSON.parse(code)].map(({ ask, why, before, after, choices }) => [ask, why, ...[before, after].map((hash) => hash.slice(1)), ...choices]) : JSON.parse(unscrambled(code));
+  return found.map((texts) => {
+    const [ask, why, before, after, ...choices] = texts;
+    if (choices.length < 2 || choices.length > MOST_CHOICES || !ask || !texts.every((each) => typeof each === "string")) throw new Error("no question");
+    const all = [USUAL, parted(before), parted(after)];
+    const [first, last] = [2, 3].map((count) => valuesOf(new URLSearchParams(Object.assign({}, ...all.slice(0, count)))));
+    for (const values of [first, last]) delete values.level;  // that is the link's
+    const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => !["question", "level"].includes(name)));
+    return { own: { ask, why, before, after, choices }, before: { ...opening, ...START[first.scene], ...first }, after: { ...pick(OPENING, "windows", "compare", "pupil", "focus"), ...last } };
+  });
 }
 
 // The values in an address that are allowed.

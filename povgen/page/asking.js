@@ -1,12 +1,14 @@
 // The panel of the questions: a class predicts and votes, and the page then shows the answer. Also a teacher's own questions.
 
 import { hasPiece } from "../liveview/presets.js";
-import { fromHash, SWITCHES, toHash } from "./address.js";
+import { coded, fromHash, ownQuestion, settings, SWITCHES } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";
+import { keep, saveTable, work } from "./kept.js";
 import { percent, printed, readNumber, say } from "./language.js";
+import { moment } from "./moment.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask as textOf, choices, isAsked, MOST_CHOICES, QUESTIONS, revealed, why } from "./questions.js";
+import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why } from "./questions.js";
 import { change, OPENING, session, state, WHOLE } from "./state.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
@@ -19,7 +21,7 @@ export function openQuestion(n) {
   session.replaced = null;
   if (n >= 0) {
     session.lastQuestion = n;
-    ask(n);
+    askAnew(n);
   } else {
     change({ ...session.explored, level: state.level, question: -1 });
   }
@@ -28,9 +30,11 @@ export function openQuestion(n) {
 }
 
 // Show a question as before its answer.
-function ask(n) {
+export function askAnew(n) {
+  const answer = work.answers[QUESTIONS[n].name];
   endGlide();
-  revealed.delete(n);
+  if (answer) answer.shown = false;
+  keep();
   drawnQuestion = null;
   session.drawn = null;
   change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, question: n });
@@ -38,14 +42,29 @@ function ask(n) {
 
 let asksForNumber = false;
 
-// Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since.
-export function reveal() {
-  /** @type {any} */
+const made = () => /** @type {string | null} */ (new FormData($("question-form")).get("prediction"));
+
+// Keep the prediction, and go to what the question is about: from its premise, whatever has been changed since. A challenge that
+// is done stays as it is.
+export function reveal(done = false) {
   const question = QUESTIONS[state.question];
-  const given = question.match ? String(isMatched(question)) : new FormData($("question-form")).get("prediction");
-  session.drawn = question.match ? null : session.dashed;
-  revealed.set(state.question, given);
-  glide({ ...question.before, ...(typeof question.after === "function" ? question.after() : question.after) });
+  const given = question.goal ? String(done) : question.match ? String(isMatched(question)) : made();
+  session.drawn = question.match || question.goal ? null : session.dashed;
+  work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
+  keep();
+  if (!done) glide(end(question));
+}
+
+// A challenge is done when the settings rest where its goal is.
+let resting = 0;
+function notice(question) {
+  const holds = () => question?.goal && question === QUESTIONS[state.question] && isAsked() && question.goal(moment());
+  clearTimeout(resting);
+  if (holds()) resting = setTimeout(() => {
+    if (!holds()) return;
+    reveal(true);
+    refresh();
+  }, 700);
 }
 
 // Any input ends the movement: the page is then at its end.
@@ -83,53 +102,60 @@ let drawnQuestion = null;
 let kept = null;  // a prediction and its question, while the panel is written anew
 const NOT_TURNED = ["single", "mirror", "lenticular"];  // sheets whose picture is not the object, turned and sized
 
-// The numbers of the questions of this level, and of the one that is open.
-const offered = () => [...QUESTIONS.keys()].filter((n) => n === state.question || state.level === "expert" || !QUESTIONS[n].expert);
+// The numbers of the questions of this level, and of the one that is open. A teacher's own are on their own.
+const offered = () => {
+  const own = (question) => Boolean(question.own), isOwn = own(QUESTIONS[state.question]);
+  return [...QUESTIONS.keys()].filter((n) => own(QUESTIONS[n]) === isOwn && (n === state.question || state.level === "expert" || !QUESTIONS[n].expert));
+};
 
 // The panel is written anew, because the language has changed, or when its question is open again.
 export function rewriteQuestion() {
-  if (drawnQuestion) kept = { question: drawnQuestion, made: new FormData($("question-form")).get("prediction") };
+  if (drawnQuestion) kept = { question: drawnQuestion, made: made() };
   drawnQuestion = null;
 }
 
 export function drawQuestion() {
   const n = state.question;
+  notice(QUESTIONS[n]);
   if (n < 0) {
     session.dashed = null;
     if ($("ask-diagram").contains($("diagram-box"))) moveDiagram();
     return (drawnQuestion = null);
   }
-  /** @type {any} */
   const question = QUESTIONS[n];
   if (question !== drawnQuestion) {
-    $("ask").textContent = textOf(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
-    $("prediction").replaceChildren(...(question.match ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
+    $("ask").textContent = ask(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
+    $("prediction").replaceChildren(...(question.match || question.goal ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
     drawnQuestion = question;
     asksForNumber = false;
   }
   $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });
-  $("reveal").hidden = revealed.has(n);
-  $("again").hidden = !revealed.has(n);
+  const tries = offered().map((k) => work.answers[QUESTIONS[k].name]?.first).filter((first) => typeof first === "boolean");
+  write("score", tries.length ? say("asking.score", { right: tries.filter(Boolean).length, count: tries.length }) : "");
+  const shown = isRevealed(n);
+  $("reveal").hidden = shown;
+  $("again").hidden = !shown;
+  $("own-remove").hidden = !question.own;
   const open = (id) => !$(id).hidden;
   if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
-  aid("drawing").hidden = Boolean(question.match) || !hasPiece(state.scene) || NOT_TURNED.includes(last);
+  aid("drawing").hidden = Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last);
   if (aid("drawing").hidden) $("drawing").hidden = true;
   aid("drawing").setAttribute("aria-expanded", String(open("drawing")));
   session.dashed = dashedOutline(question, open("drawing"));
   for (const input of $("prediction").querySelectorAll("input")) {
-    input.disabled = revealed.has(n);
-    const made = revealed.get(n) ?? (kept?.question === question ? kept.made : null);
-    if (made && input.type === "radio") input.checked = input.value === made;
-    else if (made) input.value = made;
-    input.parentNode.classList.toggle("right", revealed.has(n) && input.type === "radio" && Number(input.value) === question.answer());
+    input.disabled = shown;
+    const given = prediction(n) ?? (kept?.question === question ? kept.made : null);
+    if (given && input.type === "radio") input.checked = input.value === given;
+    else if (given) input.value = given;
+    input.parentNode.classList.toggle("right", shown && input.type === "radio" && Number(input.value) === question.answer());
   }
   kept = null;
-  const said = element("p", {}, ...(revealed.has(n) ? answerText(question) : asksForNumber ? [say("asking.number_first")] : []));
+  const said = element("p", {}, ...(shown ? answerText(question, prediction(n)) : asksForNumber ? [say("asking.number_first")] : []));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
-  write("drawn-answer", revealed.has(n) && session.drawn && !session.gliding ? compared(session.drawn) : "");
+  write("drawn-answer", shown && session.drawn && !session.gliding ? compared(session.drawn) : "");
   $("previous").disabled = n === offered().at(0);
   $("next").disabled = n === offered().at(-1);
 }
@@ -161,16 +187,14 @@ const numberInput = ({ name, tolerance }) => element("label", {}, element("input
   ` ${say("asking.within", { unit: say(`questions.${name}.unit`), tolerance: printed(String(tolerance)) })}`);
 
 // Whether the class is right, the answer, and why.
-function answerText(question) {
-  const given = revealed.get(QUESTIONS.indexOf(question));
+function answerText(question, given) {
+  if (question.goal) return [element("strong", {}, say(`asking.${given === "true" ? "done" : "one_way"}`)), ` ${why(question)}`];
   if (question.match) return [element("strong", {}, say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
   const right = question.answer();
-  const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
-  const isRight = choices(question) ? Number(given) === right : Math.abs(readNumber(given) - right) <= near;
   const number = question.tolerance && printed(String(Number(right.toFixed(Math.max(1, -Math.floor(Math.log10(question.tolerance)))))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
-  const said = say(`asking.${given ? (isRight ? "yes" : "no") : "answer"}`, { answer });
-  return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ` ${why(question)}`];
+  const said = say(`asking.${given ? (isRight(question, given) ? "yes" : "no") : "answer"}`, { answer });
+  return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ...[reason(question, given), why(question)].filter(Boolean).map((text) => ` ${text}`)];
 }
 
 $("question-form").addEventListener("submit", (event) => {
@@ -187,8 +211,8 @@ $("question-form").addEventListener("submit", (event) => {
   }
 });
 $("again").addEventListener("click", () => {
-  if (!revealed.has(state.question)) return;
-  ask(state.question);
+  if (state.question < 0 || isAsked()) return;
+  askAnew(state.question);
   drawQuestion();
   refresh();
   $("ask").focus();
@@ -203,17 +227,21 @@ for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
 
 // ---- The votes of a class, before and after it has discussed a question: a number for each choice, and bars ----
 
-const votes = new Map();  // the questions, and for each one or two lists of votes
-
 function drawVotes(question) {
   const offers = choices(question), none = () => offers.map(() => 0);
   if (!offers) return $("votes").replaceChildren();
-  const rounds = votes.get(question) ?? votes.set(question, [none()]).get(question), given = rounds.at(-1);
+  const rounds = work.votes[question.name] ?? [none()], given = rounds.at(-1);
+  const count = () => {
+    work.votes[question.name] = rounds;
+    keep();
+    refresh();
+  };
   const rows = offers.map((choice, k) => {
     const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field", ariaLabel: say("asking.votes_for", { choice }) });
     field.addEventListener("input", () => {
       given[k] = Math.max(0, Math.round(Number(field.value)) || 0);
       show();
+      count();
     });
     const bars = rounds.map(() => element("i")), share = element("output", { ariaLive: "off" });  // the field says the number
     return { row: element("label", {}, element("span", {}, choice), field, element("span", { className: "track" }, ...bars), share), bars, share };
@@ -226,6 +254,7 @@ function drawVotes(question) {
   const again = element("button", { type: "button", textContent: say("asking.vote_again"), hidden: rounds.length > 1 });
   again.addEventListener("click", () => {
     rounds.push(none());
+    count();
     drawVotes(question);
     $("votes").querySelector("input").focus();
   });
@@ -233,16 +262,35 @@ function drawVotes(question) {
   show();
 }
 
-// ---- A question of a teacher's own, in a link ----
+// What a class has voted and answered: a row for each choice, or for the number that was typed.
+function answersTable() {
+  const head = ["name", "question", "answer", "right", "votes", "votes_2", "predicted", "first_try"];
+  const rows = QUESTIONS.filter(({ name }) => work.votes[name] || work.answers[name]).flatMap((question) => {
+    const { first, given } = work.answers[question.name] ?? {}, [votes = [], again = []] = work.votes[question.name] ?? [];
+    const row = (text, k, made) => [question.name, ask(question), text, Number(isRight(question, k)), votes[k], again[k], Number(made), made && first !== null ? Number(first) : undefined];
+    return choices(question)?.map((text, k) => row(text, String(k), given === String(k))) ?? [row(given ?? "", given ?? "", Boolean(given))];
+  });
+  return [head, ...rows];
+}
+$("save-answers").addEventListener("click", () => saveTable("povgen-answers.csv", answersTable()));
 
-const views = { before: "", after: "" };  // the addresses of what the page shows first, and with the answer
-const address = () => toHash().replace(/&(question|own|language)=[^&]*/g, "");
+// ---- Questions of a teacher's own, in a link ----
+
+const views = { before: null, after: null };  // the settings that the page shows first, and with the answer
 
 for (const [id, part] of Object.entries({ start: "before", end: "after" })) {
   $(`own-${id}`).addEventListener("click", () => {
-    views[part] = address();
+    views[part] = settings();
     $(`own-${id}`).setAttribute("aria-pressed", true);
   });
+}
+
+// Open one of these questions, or leave the questions if there are none.
+function openOwn(questions, opened) {
+  openQuestion(-1);
+  fromHash(`#level=${state.level}&question=${opened ? nameOf(opened) : ""}&own=${coded(questions)}`);
+  refresh();
+  if (opened) $("ask").focus();
 }
 
 $("own").addEventListener("submit", (event) => {
@@ -252,10 +300,12 @@ $("own").addEventListener("submit", (event) => {
   const complete = texts.ask && texts.choices.length > 1 && texts.choices.length <= MOST_CHOICES;
   $("own-message").textContent = complete ? "" : say("asking.own_missing", { most: MOST_CHOICES });
   if (!complete) return $("own-text").focus();
-  const question = { ...texts, before: views.before || address(), after: views.after || address() };
-  openQuestion(-1);
-  session.own_question = "";  // the same one is asked anew
-  fromHash(`${question.before}&own=${encodeURIComponent(JSON.stringify(question))}`);
-  refresh();
-  $("ask").focus();
+  const question = ownQuestion(texts, views.before ?? settings(), views.after ?? settings());
+  delete work.answers[nameOf(question)];  // the same one is asked anew
+  keep();
+  openOwn([...ownQuestions().filter(({ ask }) => ask !== texts.ask), question], question);
+});
+$("own-remove").addEventListener("click", () => {
+  const others = ownQuestions().filter((own) => own !== QUESTIONS[state.question].own);
+  openOwn(others, others.at(-1));
 });

@@ -1,11 +1,16 @@
 // What a lesson takes away: a link with its QR code, a frame for another page, a recorded movement, a printed page.
 
 import { toHash } from "./address.js";
-import { $, element } from "./data.js";
+import { askAnew, rewriteQuestion } from "./asking.js";
+import { $, element, refresh } from "./data.js";
+import { clear, isEmpty, key, storage, take } from "./kept.js";
 import { say } from "./language.js";
+import { drawRows } from "./measure.js";
 import { drawOther, savedAs, view } from "./picture.js";
 import { qr } from "./qr.js";
+import { isAsked } from "./questions.js";
 import { svg } from "./shapes.js";
+import { state } from "./state.js";
 
 export const page = () => location.href.replace(/#.*/, "");  // the page's address
 const link = () => page() + toHash();
@@ -65,6 +70,37 @@ for (const id of ["share", "room"]) {
     button.focus();
   });
 }
+
+// ---- What the browser keeps ----
+
+export function drawKept() {
+  for (const part of document.querySelectorAll(".kept")) {
+    part.toggleAttribute("hidden", isEmpty());
+    part.firstElementChild.textContent = say(`kept.${storage.refused ? "refused" : "kept"}`);
+  }
+}
+
+// Show other work: it was deleted, or another window of the browser has changed it.
+function showOther() {
+  if (isAsked()) askAnew(state.question);
+  rewriteQuestion();
+  drawRows();
+  refresh();
+}
+
+$("delete-work").addEventListener("click", ({ target }) => {
+  if (target.tagName !== "BUTTON") return;
+  $("delete-work").hidePopover();
+  if (target.id !== "delete-all") return;
+  clear();
+  showOther();
+});
+addEventListener("storage", (event) => {
+  if (event.key !== key()) return;
+  take();
+  showOther();
+});
+addEventListener("beforeunload", (event) => storage.refused && !isEmpty() && event.preventDefault());
 
 // ---- A recorded movement: of the picture, without what is drawn on it ----
 

@@ -7,7 +7,7 @@ import { drawTabs, fillPage, showInputs, showMarks, showNumbers } from "./contro
 import { $, drawBy, refresh } from "./data.js";
 import { drawDiagram } from "./diagram.js";
 import { placeHandles } from "./handles.js";
-import "./handouts.js";
+import { drawKept } from "./handouts.js";
 import { chooseUsual, say, spoken } from "./language.js";
 import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
@@ -47,6 +47,7 @@ function drawPage() {
   drawSpace(now);
   drawCompare(now);
   drawMeasure(now);
+  drawKept();
   placeHandles(now);
   showMarks();
   tell(now);

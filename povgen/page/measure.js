@@ -4,21 +4,24 @@
 import { radians } from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPiece } from "../liveview/presets.js";
+import { settings } from "./address.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
 import { $, clamped, element, on, refresh, write } from "./data.js";
-import { angle, brief, fixed, localised, printed, readNumber, say, separator, SYMBOL, tilesText } from "./language.js";
+import { csvOf, keep, saveTable, work } from "./kept.js";
+import { angle, brief, fixed, localised, printed, readNumber, say, SYMBOL, tilesText } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
 import { outlineOf } from "./outline.js";
 import { onStage, tilePixels } from "./overlay.js";
 import { bare, placeSaid } from "./phrases.js";
 import { arc, curve, dot, heading, line, step, words } from "./shapes.js";
-import { session, state } from "./state.js";
+import { kinds, session, state, usesAlpha } from "./state.js";
 
 const FARTHEST = [2.4, 1.8];  // from the picture's middle
 /** @type {Record<string, any>} */
 const points = { A: [0, -0.75], B: [0, 0.35], C: [0.6, 0.2] };
-/** @type {{alpha: number, z1: number, z2: number, nu: string, M: string}[]} */
-export const rows = [];
+// without alpha or N where the sheets have none
+/** @type {{sheets: string[], N: number | null, alpha: number | null, z1: number, z2: number, nu: string, M: string}[]} */
+export const rows = work.rows;
 
 // What the tool measures: the angle from the arm AB to the arm AC, counter-clockwise, and the lengths of both.
 function measured() {
@@ -33,14 +36,27 @@ function height() {
 }
 
 let shown = false;
+let moved = false;  // whether a point was moved since the last row
+let told = "";      // the settings whose answer is shown
+const present = () => JSON.stringify(settings());
 
 export function drawMeasure(now) {
   const on = session.measuring && state.question < 0;
-  if (on && !shown) lay(now, [0.6, 0.95]);
+  if (on && !shown) {
+    lay(now, [0.6, 0.95]);
+    [moved, session.answered] = [false, false];
+  }
   shown = on;
   $("tool").toggleAttribute("hidden", !on);
   for (const name of Object.keys(points)) $(`point-${name}`).hidden = !on;
   if (!on) return;
+  if (session.answered && told !== present()) {  // the answer of other settings is not asked for
+    session.answered = false;
+    refresh();
+  }
+  $("write-down").disabled = !moved;
+  $("move-first").hidden = moved;
+  $("tell").setAttribute("aria-pressed", session.answered);
   const [A, B, C] = [points.A, points.B, points.C].map(onStage), { angle: found, AB, AC } = measured();
   const radius = Math.min(0.5 * abs(minus(B, A)), 0.5 * abs(minus(C, A)), 0.6 * tilePixels()), start = heading(A, B);
   const { clientWidth: width, clientHeight: all } = $("stage"), rem = Math.max(12, all / 36);
@@ -80,6 +96,7 @@ function ticks(from, to) {
 
 const move = (name, place) => {
   points[name] = place.map((x, k) => clamped(x, [-FARTHEST[k], FARTHEST[k]]));
+  moved = true;
   refresh();
 };
 for (const name of Object.keys(points)) {
@@ -94,61 +111,63 @@ for (const name of Object.keys(points)) {
 
 // ---- The table ----
 
-const QUANTITIES = ["alpha", "z1", "z2", "nu", "M"];
+const QUANTITIES = ["sheets", "N", "alpha", "z1", "z2", "nu", "M"];
 
 $("write-down").addEventListener("click", () => {
   const { angle: found, AC } = measured(), tall = height();
-  const { z1, z2 } = moment();
-  const row = { alpha: state.alpha, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? fixed(AC / tall, 2) : "" };
+  const { z1, z2, glass } = moment(), sheets = kinds();
+  const row = { sheets, N: glass ? state.prisms : null, alpha: sheets.some(usesAlpha) ? state.alpha : null, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? fixed(AC / tall, 2) : "" };
   rows.push(row);
+  keep();
+  moved = false;
   $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, M: row.M });
   drawRows();
+  $("point-C").focus({ preventScroll: true });  // the button waits until a point is moved
+});
+on("tell", "click", () => {
+  session.answered = !session.answered;
+  told = present();
 });
 on("put-on", "click", () => {
   const now = moment(), tall = height() || now.radii[now.objects.indexOf(now.z1)];
   lay(now, minus(apparentPosition(now, plus(now.L, [0, tall])), now.place));
+  moved = true;
 });
 
 export function drawRows() {
-  session.measured = rows.length > 0;
   $("rows").replaceChildren(...rows.map((row, n) => {
     const field = (name, symbol) => {
       const value = localised(row[name].replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
       return element("input", { className: "field", value, autocomplete: "off", ariaLabel, oninput: ({ target }) => {
         row[name] = target.value;
+        keep();
         refresh();
       } });
     };
     const remove = element("button", { type: "button", className: "what", ariaLabel: say("measure.remove", { n: n + 1 }), onclick: () => {
       rows.splice(n, 1);
+      keep();
       drawRows();
-      $("write-down").focus();
+      $("point-C").focus({ preventScroll: true });
     } }, "×");
-    const numbers = ["alpha", "z1", "z2"].map((name) => printed(String(Number(row[name].toPrecision(4)))));
-    return element("tr", {}, ...[...numbers, field("nu", "ν"), field("M", "M"), remove].map((content) => element("td", {}, content)));
+    const sheets = row.sheets.map((name) => say(`kinds.${name}.choice`)).join(" + ");
+    const numbers = ["N", "alpha", "z1", "z2"].map((name) => (row[name] === null ? "–" : printed(String(Number(row[name].toPrecision(4))))));
+    return element("tr", {}, ...[sheets, ...numbers, field("nu", "ν"), field("M", "M"), remove].map((content) => element("td", {}, content)));
   }));
   $("save-csv").disabled = !rows.length;
   refresh();
 }
 
-// Where the decimal sign is a comma, spreadsheets part columns by semicolons.
-export function csv() {
-  const mark = separator().trim();
-  return [QUANTITIES.join(mark), ...rows.map((row) => QUANTITIES.map((name) => {
-    const x = typeof row[name] === "number" ? row[name] : readNumber(row[name]);
-    return Number.isFinite(x) ? localised(String(x)) : "";
-  }).join(mark))].join("\r\n");
-}
-
-$("save-csv").addEventListener("click", () => {
-  element("a", { href: `data:text/csv;charset=utf-8,${encodeURIComponent(csv())}`, download: "povgen.csv" }).click();
-});
+const table = () => [QUANTITIES, ...rows.map(({ sheets, ...row }) => QUANTITIES.map((name) =>
+  (name === "sheets" ? sheets.join("+") : typeof row[name] === "string" ? readNumber(row[name]) : row[name])))];
+export const csv = () => csvOf(table());
+$("save-csv").addEventListener("click", () => saveTable("povgen.csv", table()));
 
 // ---- The measured numbers over the curves ----
 
 // What changes between the rows: alpha, unless only a distance does.
 function abscissa() {
-  const changes = (name) => new Set(rows.map((row) => row[name])).size > 1;
+  const changes = (name) => new Set(rows.map((row) => row[name]).filter(Number.isFinite)).size > 1;
   return changes("alpha") ? "alpha" : changes("z1") ? "z1" : changes("z2") ? "z2" : "alpha";
 }
 
@@ -164,7 +183,8 @@ function drawPlots(now) {
 function drawPlot(plot, name, x, now) {
   const { clientWidth: width, clientHeight: all } = plot;
   if (!width) return;
-  const reached = [...ENDS[x], ...rows.map((row) => row[x])];
+  const there = rows.filter((row) => Number.isFinite(row[x]));
+  const reached = [...ENDS[x], ...there.map((row) => row[x])];
   const [least, most] = [Math.min(...reached), Math.max(...reached)], log = x !== "alpha";
   const [left, right, top, bottom] = [30, width - 8, 16, all - 22];
   const present = { alpha: state.alpha, z1: now.z1, z2: now.z2 };
@@ -173,15 +193,15 @@ function drawPlot(plot, name, x, now) {
     return name === "nu" ? nu / radians(1) : M;
   };
   const points = now.two && rows.length ? Array.from({ length: 181 }, (_, k) => (log ? least * (most / least) ** (k / 180) : least + ((most - least) * k) / 180)) : [];
-  const angles = [...points.map((value) => seen(value)), ...rows.map(({ nu }) => readNumber(nu) || 0)].map(Math.abs);
+  const angles = [...points.map((value) => seen(value)), ...there.map(({ nu }) => readNumber(nu) || 0)].map(Math.abs);
   const end = ENDS_OF_NU.find((limit) => limit === 180 || angles.every((each) => !(each > limit))), scale = name === "nu" ? [-end, end] : [0, 3];
   const share = (value) => (log ? Math.log(value / least) / Math.log(most / least) : (value - least) / (most - least));
   /** @type {(value: number, shown: number) => any} */
   const to = (value, shown) => [left + share(value) * (right - left), bottom - ((shown - scale[0]) / (scale[1] - scale[0])) * (bottom - top)];
   const inside = points.map((value) => [value, seen(value)]).map(([value, shown], n, all) =>
     (shown >= scale[0] && shown <= scale[1] && !(n && Math.abs(shown - all[n - 1][1]) > 180) ? to(value, shown) : null));
-  const same = (row) => Object.keys(present).every((other) => other === x || Math.abs(row[other] - present[other]) < 1e-3 * Math.max(1, Math.abs(present[other])));
-  const marks = rows.filter((row) => Number.isFinite(readNumber(row[name])) && row[name].trim())
+  const same = (row) => String(row.sheets) === String(kinds()) && Object.keys(present).every((other) => other === x || Math.abs(row[other] - present[other]) < 1e-3 * Math.max(1, Math.abs(present[other])));
+  const marks = there.filter((row) => Number.isFinite(readNumber(row[name])) && row[name].trim())
     .map((row) => dot(`mark${same(row) ? "" : " other"}`, to(row[x], clamped(readNumber(row[name]), /** @type {any} */ (scale))), 4));
   plot.setAttribute("viewBox", `0 0 ${width} ${all}`);
   plot.replaceChildren(

@@ -5,8 +5,10 @@ import { windows } from "../liveview/presets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
 import { data } from "./data.js";
 import * as equations from "./equations.js";
-import { brief, entry, fixed, forms, say } from "./language.js";
-import { turnedBy } from "./phrases.js";
+import { work } from "./kept.js";
+import { brief, entry, fixed, forms, readNumber, say } from "./language.js";
+import { bare, turnedBy } from "./phrases.js";
+import { checksum } from "./scramble.js";
 import { BEYOND, OPENING, START, state } from "./state.js";
 
 const UP = {
@@ -47,12 +49,16 @@ const LENSES = { lenses: 100, ratio: 1, f_number: 3, index: data.scenes.chess.in
 const fieldText = (values) => degreesText(Math.atan(fieldOf(values)) / radians(1));
 // The magnification of heights by one infinitely fine sheet.
 const heightOf = (z1, z2) => equations.mirrored([0, 1], [0, 0], z1, z2, { slab_shift: 0 })[1];
+// From where what is at z1 = 2 is seen four times as large at 180 degrees as without sheets: (z2 + z1)/(z2 - z1) = 4.
+const EYE = 10 / 3;
 // How far in front of a lens of focal length 4 the image of what is at z1 is.
 const imageAt = (z1) => -imageDepth(windows({ ...data.scenes.chess, sheet: "lens", focal_length: 4, window: [] }), z1);
 
 // Each: its name in the tables of sentences, where `choices`, `unit` and `why` are; what the page shows with it; the number of the
 // right choice, or a number; what the page then shows; the numbers in `why`, and in `formula`, which only
-// experts read; and what the sentence beside the picture says first. `expert`: only experts are asked.
+// experts read; and what the sentence beside the picture says first. `expert`: only experts are asked. `goal`: a challenge, which
+// has no answer, but is done when this holds for what is seen.
+/** @type {any[]} */
 export const QUESTIONS = [
   {
     name: "sky",
@@ -177,18 +183,37 @@ export const QUESTIONS = [
     before: { ...UP, ...BEYOND.series }, tolerance: 0.1, after: { E: [0.8, 0] },
     answer: () => 8 - equations.depth(2, 8, radians(120), [[2, radians(120)]])[0],
   },
+  {
+    name: "quarter",
+    before: { ...UP, alpha: 66 }, after: { alpha: 120, z1: 12 },
+    goal: ({ nu }) => Math.abs(Math.abs(nu) - radians(90)) < radians(3),
+  },
+  {
+    name: "again",
+    before: { ...UP, alpha: 66 }, after: { alpha: 180 },
+    goal: (now) => Math.abs(now.nu) < radians(3) && now.M / bare(now) > 1.5,
+  },
+  {
+    name: "where",
+    before: { ...UP, alpha: 180 }, after: { z2: EYE },
+    goal: (now) => Math.abs(now.degrees) > 179 && Math.abs(now.z1 - 2) < 0.01 && Math.abs(now.M / bare(now) - 4) < 0.3,
+    numbers: () => ({ z2: brief(EYE) }),
+  },
 ];
 
 // The choices of a question, or undefined if a number is asked for; and why its answer is right.
-// A question of a teacher's own: { ask, choices, why, before, after }, with the right choice first, and values of the state.
+// A teacher's own questions are behind the page's: { own, before, after }, where `own` has the texts, with the right choice first.
 // The choices are shown in the order of the alphabet.
 const COUNT = QUESTIONS.length;
 export const MOST_CHOICES = 20;
-export function setOwn({ ask, choices, why, before, after }) {
-  const shown = [...choices].sort((a, b) => a.localeCompare(b));
-  QUESTIONS.splice(COUNT, 1, /** @type {any} */ ({ name: "own", own: { ask, choices, why }, shown, before, after, answer: () => shown.indexOf(choices[0]) }));
-  return COUNT;
+export const nameOf = ({ ask, choices }) => `own-${checksum([ask, ...choices].join("\n")).toString(36)}`;
+export function setOwn(questions) {
+  QUESTIONS.splice(COUNT, Infinity, ...questions.map((question) => {
+    const { choices } = question.own, shown = [...choices].sort((a, b) => a.localeCompare(b));
+    return { ...question, name: nameOf(question.own), shown, answer: () => shown.indexOf(choices[0]) };
+  }));
 }
+export const ownQuestions = () => QUESTIONS.slice(COUNT).map(({ own }) => own);
 /** @type {(question: any) => string} */
 export const ask = ({ name, own }) => own?.ask ?? say(`questions.${name}.ask`);
 
@@ -198,6 +223,22 @@ export const choices = ({ name, ways, degrees, shown }) => shown ?? degrees?.map
 export const why = ({ name, numbers, own }) => own?.why ?? ["why", ...(state.level === "expert" && entry(`questions.${name}.formula`) ? ["formula"] : [])]
   .map((part) => say(`questions.${name}.${part}`, numbers?.())).join(" ");
 
-export const revealed = new Map();  // the numbers of the questions, and the predictions that were made
+// What the page shows with the answer.
+export const end = (question) => ({ ...question.before, ...(typeof question.after === "function" ? question.after() : question.after) });
 
-export const isAsked = () => state.question >= 0 && !revealed.has(state.question);
+export function isRight(question, given) {
+  if (question.match || question.goal) return given === "true";
+  const near = question.tolerance * (1 + 1e-6);  // 2.1 - 2 is more than 0.1
+  return choices(question) ? Number(given) === question.answer() : Math.abs(readNumber(given) - question.answer()) <= near;
+}
+
+// Why a wrong prediction is wrong: `wrong` has a sentence for each choice, or for numbers that are too small and too large.
+export function reason(question, given) {
+  const said = entry(`questions.${question.name}.wrong`);
+  return (given && !isRight(question, given) && said?.[choices(question) ? given : Number(readNumber(given) > question.answer())]) || "";
+}
+
+export const isRevealed = (n) => Boolean(work.answers[QUESTIONS[n].name]?.shown);
+// The prediction for a question whose answer is shown.
+export const prediction = (n) => (isRevealed(n) ? work.answers[QUESTIONS[n].name].given : null);
+export const isAsked = () => state.question >= 0 && !isRevealed(state.question);

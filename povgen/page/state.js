@@ -45,7 +45,7 @@ export const session = {
   own: {},            // the user's own values of the choices beyond the paper that have been left
   explored: null,     // what the page showed before the questions
   lastQuestion: 0,
-  own_question: "",   // a teacher's own question, as its address has it
+  own_questions: "",  // a teacher's own questions, as their address has them
   dashed: null,       // the dashed outline on the picture: its angle nu and its magnification M
   drawn: null,        // the outline that was drawn before the answer
   gliding: null,      // the values that the page is going to
@@ -54,7 +54,7 @@ export const session = {
   diagramMap: null,   // from the coordinates of the diagram that is shown to its pixels
   camera: [0.55, 0.3], // the view of the light: azimuth and elevation, radians
   measuring: false,   // whether the panel for measuring is open
-  measured: false,    // whether a class has written down what it has measured
+  answered: false,    // whether the sentence is shown while a class measures
   curtain: 0.5,       // the part of the picture that is to the left of it
   zoom: 1,            // and its size
   marked: "",         // the quantity that is marked in the drawings

@@ -13,11 +13,12 @@ import { isAsked, QUESTIONS } from "./questions.js";
 import { isEmpty, kinds, RANGES, session, state, usesAlpha } from "./state.js";
 
 // Whether a class is to find what is seen: a question is asked, or it is to be measured.
-export const isToBeFound = () => isAsked() || (session.measuring && state.question < 0 && !session.measured);
+export const isToBeFound = () => isAsked() || (session.measuring && state.question < 0 && !session.answered);
 
 // What is seen, in a sentence or two.
 export function explanation(now) {
-  if (isToBeFound()) return [...(isAsked() ? [say("seen.asked")] : []), ...limitsMet(now)].join(" ");
+  const asked = isAsked() ? [say(QUESTIONS[state.question].goal ? "seen.challenge" : "seen.asked")] : [];
+  if (isToBeFound()) return [...asked, ...limitsMet(now)].join(" ");
   const first = QUESTIONS[state.question]?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }

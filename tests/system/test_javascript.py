@@ -396,7 +396,9 @@ def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
 
 
 def test_questions_are_answered_by_the_equations(page):
-    right = page.evaluate("Object.fromEntries(QUESTIONS.map((question) => [question.name, question.answer()]))")
+    right = page.evaluate(
+        "Object.fromEntries(QUESTIONS.filter(({ goal }) => !goal).map(({ name, answer }) => [name, answer()]))"
+    )
 
     def nu(z1, alpha):
         return np.degrees(equations.nu(6 / z1, np.radians(alpha)))
@@ -696,6 +698,12 @@ def test_every_language_says_all(page, language):
         page.evaluate("change", values)
         for text in page.evaluate("[describe(moment()), explanation(moment()), ...caption(moment())]"):
             assert text and not re.search(r"[{}]|undefined|null|NaN", text.replace("undefined.", "")), (values, text)
+    reasons = """QUESTIONS.filter(({ match, goal }) => !match && !goal).map((question) => {
+      const given = choices(question)?.map((_, k) => k) ?? [0.5, 2, 1].map((x) => x * question.answer());
+      return given.map((each) => reason(question, String(each)));
+    })"""
+    for found in page.evaluate(reasons):  # each wrong answer has its own, and the right one none
+        assert len({*found}) == 3 and found.count("") == 1
     questions = "QUESTIONS.map((question) => [why(question), ...(choices(question) ?? [])]).flat()"
     assert not re.search(r"[{}]|undefined", "".join(page.evaluate(questions)))
     page.evaluate("choose('en')")

@@ -76,6 +76,8 @@ def page(shared_page):
         """() => {
           player.pause();
           tour.leave();
+          localStorage.clear();
+          take();
           endGlide();  // of an earlier test, on a busy machine
           player.preset = data.presets[0];
           state.question = -1;

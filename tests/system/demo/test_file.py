@@ -9,7 +9,7 @@ from povgen import Spheres, live
 
 
 def test_the_page_is_one_small_file(demo_file):
-    assert demo_file.stat().st_size < 1_250_000
+    assert demo_file.stat().st_size < 1_300_000
     text = demo_file.read_text("utf-8").partition("<!-- povgen record")[0]
     assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r'(src|href)="(?!data:|\$\{)', text)
@@ -52,3 +52,9 @@ def test_back_and_forward(page):
         page.wait_for_function("(alpha) => state.alpha === alpha", arg=alpha)
         page.evaluate("draw()")
         expect(page.locator("#number-alpha")).to_have_value(str(alpha))
+    page.locator("#tab-measure").click()
+    page.wait_for_function("location.hash.includes('&panel=measure')")
+    for go, seen in ((page.go_back, False), (page.go_forward, True)):
+        go()
+        page.wait_for_function("(measuring) => session.measuring === measuring", arg=seen)
+        expect(page.locator("#measure")).to_be_visible(visible=seen)

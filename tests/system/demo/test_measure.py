@@ -1,9 +1,10 @@
 """Measuring on the page's picture: the protractor, the ruler, the table and its curves."""
 
 import pytest
+from conftest import NAMES
 from playwright.sync_api import expect
 
-from demo.conftest import show
+from demo.conftest import opened, show
 
 
 @pytest.fixture
@@ -11,7 +12,7 @@ def measure(page):
     page.locator("#tab-measure").click()
     page.evaluate("draw()")
     yield page
-    page.evaluate("rows.splice(0); session.measuring = session.measured = false")
+    page.evaluate("rows.splice(0); session.measuring = false")
 
 
 def put(page, name, target):
@@ -23,6 +24,13 @@ def put(page, name, target):
     x, y = stage["x"] + stage["width"] / 2 + tile * target[0], stage["y"] + stage["height"] / 2 - tile * target[1]
     page.mouse.move(x, y)
     page.mouse.up()
+    page.evaluate("draw()")
+
+
+def write_down(page, put=False):
+    if put:
+        page.evaluate("$('put-on').click(); draw()")
+    page.get_by_role("button", name="Write down").click()
     page.evaluate("draw()")
 
 
@@ -50,7 +58,7 @@ def test_what_is_measured_lies_on_the_curve(measure):
         put(measure, "A", foot)
         put(measure, "B", (foot[0], foot[1] + 0.5))
         put(measure, "C", top)
-        measure.get_by_role("button", name="Write down").click()
+        write_down(measure)
     found = measure.evaluate("rows.map(({ nu, M }) => [Number(nu), Number(M)])")
     for n, alpha in enumerate((30, 90)):
         show(measure, alpha=alpha)
@@ -78,8 +86,14 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     measure.evaluate("draw()")
     measure.get_by_role("button", name="Write down").press("Enter")
     expect(measure.locator("#spoken")).to_have_text("Row 1: ν = 18.4°, M = 0.95")
+    assert measure.evaluate("document.activeElement.id") == "point-C"
     measure.evaluate("draw()")
+    expect(measure.locator("#sentence")).to_be_empty()
+    measure.get_by_role("button", name="Show the answer").press("Enter")
     expect(measure.locator("#sentence")).to_contain_text("turned by 18.4°")
+    show(measure, alpha=91)
+    expect(measure.locator("#sentence")).to_be_empty()
+    show(measure, alpha=90)
     label = measure.locator("#plot-nu").get_attribute("aria-label")
     assert label == "ν over α. By the equation, ν is now 18.4°. Measured points: 1."
     assert {"30", "α / °", "ν / °"} <= {*measure.locator("#plot-nu text").all_text_contents()}
@@ -87,12 +101,24 @@ def test_who_does_not_see_the_picture_measures_too(measure):
 
 def test_a_row_is_filled_by_hand_saved_and_removed(measure):
     show(measure, alpha=60, z1=2)
-    measure.get_by_role("button", name="Write down").click()
+    expect(measure.get_by_role("button", name="Write down")).to_be_disabled()  # what was found before is no measurement
+    write_down(measure, put=True)
+    expect(measure.get_by_role("button", name="Write down")).to_be_disabled()
+    show(measure, sheet="single", z2=5)
+    write_down(measure, put=True)
+    show(measure, sheet="detailed", z2=6)
+    write_down(measure, put=True)
+    cells = "[...$('rows').rows].map((row) => [...row.cells].slice(0, 3).map(({ textContent }) => textContent))"
+    wanted = [["ideal sheet", "–", "60"], ["one sheet", "100", "–"], ["two sheets", "100", "60"]]
+    assert measure.evaluate(cells) == wanted
+    for _ in range(2):
+        measure.get_by_role("button", name="Remove row 2").click()
     measure.get_by_label("ν in row 1").fill("14,5")
     measure.get_by_label("M in row 1").fill("")
-    assert measure.evaluate("csv()") == "alpha,z1,z2,nu,M\r\n60,2,6,14.5,"
+    assert measure.evaluate("csv()") == "sheets,N,alpha,z1,z2,nu,M\r\nideal,,60,2,6,14.5,"
     measure.evaluate("choose('de')")
-    assert measure.evaluate("csv()") == "alpha;z1;z2;nu;M\r\n60;2;6;14,5;"  # as its spreadsheets read it
+    # as its spreadsheets read it
+    assert measure.evaluate("csv()") == "sheets;N;alpha;z1;z2;nu;M\r\nideal;;60;2;6;14,5;"
     measure.evaluate("choose('en'); draw()")
     with measure.expect_download() as download:
         measure.get_by_role("button", name="Save CSV").click()
@@ -105,13 +131,13 @@ def test_a_row_is_filled_by_hand_saved_and_removed(measure):
 def test_rows_are_in_the_plots_and_in_the_pages_language(measure):
     for z1 in (2.5, 50):
         show(measure, z1=z1)
-        measure.get_by_role("button", name="Write down").click()
+        write_down(measure, put=True)
     measure.evaluate("draw()")
     outside = """[...document.querySelectorAll(".plots .mark")].filter((mark) =>
       Number(mark.getAttribute("cx")) > mark.ownerSVGElement.clientWidth)"""
     assert measure.evaluate(f"{outside}.length") == 0
     assert "50" in measure.locator("#plot-M text").all_text_contents()
-    fields = "[...$('rows').rows[0].cells].map((cell) => cell.firstChild.value || cell.textContent)"
+    fields = "[...$('rows').rows[0].cells].slice(1).map((cell) => cell.firstChild.value || cell.textContent)"
     before = measure.evaluate(fields)
     try:
         measure.locator("#language").select_option("de")
@@ -120,3 +146,54 @@ def test_rows_are_in_the_plots_and_in_the_pages_language(measure):
         expect(measure.get_by_label("ν in Zeile 1")).to_be_visible()
     finally:
         measure.evaluate("choose('en'); draw()")
+
+
+def test_work_survives_the_page(browser, demo_file):
+    page, faults = opened(browser, demo_file, "#sheet=ideal", reduced_motion="reduce")
+    made = """[".kept:not([hidden])", "#rows tr", "#prediction .right"]
+      .map((each) => document.querySelectorAll(each).length)"""
+    page.locator("#tab-measure").click()
+    page.get_by_role("button", name="Put A, B and C").press("Enter")
+    page.get_by_role("button", name="Write down").click()
+    page.get_by_label("M in row 1").fill("0,9")
+    page.evaluate("draw(); fromHash('#question=near'); draw()")
+    page.get_by_role("radio", name="counter-clockwise").check()
+    page.get_by_role("button", name="Reveal").click()
+    page.get_by_role("button", name="Votes of the class").click()
+    page.locator("#votes input").first.fill("12")
+    page.evaluate("endGlide(); draw(); keepAddress()")
+
+    def again(hash_=""):
+        if hash_:
+            page.goto("about:blank")
+            page.goto(demo_file.as_uri() + hash_)
+        else:
+            page.reload()
+        page.evaluate(NAMES)
+        page.evaluate("draw()")
+        return page.evaluate(made)
+
+    assert again("#question=near") == [2, 1, 0]  # the next class is asked anew
+    assert page.evaluate("work.answers.near") == {"given": "0", "first": True, "shown": False}
+    page.get_by_role("radio", name="counter-clockwise").check()
+    page.get_by_role("button", name="Reveal").click()
+    assert again() == [2, 1, 1]
+    assert page.evaluate("[state.alpha, rows[0].M, work.votes.near[0][0]]") == [66, "0,9", 12]  # as with the answer
+    expect(page.locator("#answer")).to_contain_text("Yes: counter-clockwise.")
+    page.locator("#questions .kept").get_by_role("button", name="Delete").click()
+    page.get_by_role("button", name="Keep them").click()
+    assert page.evaluate("isEmpty()") is False
+    page.locator("#questions .kept").get_by_role("button", name="Delete").click()
+    page.locator("#delete-all").click()
+    expect(page.locator("#answer")).to_be_empty()
+    expect(page.get_by_role("button", name="Reveal")).to_be_visible()
+    assert again() == [0, 0, 0]
+
+    page.evaluate("void (Storage.prototype.setItem = () => { throw Error(); })")  # as in private windows
+    page.get_by_role("button", name="Reveal").click()
+    expect(page.locator("#questions .kept")).to_contain_text("This browser keeps nothing")
+    with page.expect_event("dialog") as asked:
+        page.evaluate("setTimeout(() => location.reload())")
+    assert asked.value.type == "beforeunload"
+    assert not faults
+    page.close()

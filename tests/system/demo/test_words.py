@@ -2,6 +2,7 @@
 
 import json
 import re
+from base64 import b64decode
 
 import pytest
 from conftest import sentence
@@ -114,10 +115,11 @@ def test_questions_are_predicted_and_revealed(page):
     """Every other prediction is wrong. Each button that has gone leaves the focus to another."""
     page.get_by_role("tab", name="Questions").click()
     page.emulate_media(reduced_motion="reduce")
-    questions = page.evaluate("QUESTIONS.map((question) => [question.answer(), Boolean(question.match)])")
+    asked = "QUESTIONS.filter(({ goal }) => !goal).map((question) => [question.answer(), Boolean(question.match)])"
+    questions, count = page.evaluate(f"[{asked}, QUESTIONS.length]")
     reveal, answer = page.get_by_role("button", name="Reveal"), page.locator("#answer")
     for n, (right, is_match) in enumerate(questions):
-        expect(page.locator("#question-count")).to_have_text(f"Question {n + 1} of {len(questions)}")
+        expect(page.locator("#question-count")).to_have_text(f"Question {n + 1} of {count}")
         expect(answer).to_be_empty()
         page.evaluate("draw()")  # the fields show the question's values, and do not change while they are filled
         choices, wrong = page.locator("#prediction input[type=radio]"), n % 2
@@ -132,13 +134,33 @@ def test_questions_are_predicted_and_revealed(page):
             expect(answer).to_have_text("Type a number first.")
             page.locator("#prediction input").fill(str(right * (1 + 0.08 * wrong)).replace(".", ","))
         reveal.click()
-        assert page.evaluate("document.activeElement.id") == ("next" if n + 1 < len(questions) else "previous")
+        assert page.evaluate("document.activeElement.id") == "next"
         expect(answer).to_contain_text(re.compile("^No[:t]" if wrong else "^Yes: "))
         if n + 1 < len(questions):
             page.get_by_role("button", name="Next").click()
             assert page.evaluate("document.activeElement.id") == "ask"
     page.get_by_role("tab", name="Explore").click()
     expect(page.locator("#diagram")).to_be_visible()
+
+
+def test_a_challenge_is_done_when_the_settings_rest_where_its_goal_is(page):
+    answer = page.locator("#answer")
+    show(page, level="simple")
+    reached = {"quarter": ("alpha", "120", "z1", "12"), "again": ("alpha", "-180"), "where": ("z2", "3.3")}
+    for name, fields in reached.items():
+        page.evaluate("(name) => { openQuestion(QUESTIONS.findIndex((each) => each.name === name)); draw(); }", name)
+        expect(page.locator("#sentence")).to_have_text("The description comes when it is done.")
+        for field, value in zip(fields[::2], fields[1::2], strict=True):
+            expect(answer).to_be_empty()
+            page.locator(f"#number-{field}").fill(value)
+        expect(answer).to_contain_text("Done.")
+    expect(page.locator("#sentence")).to_contain_text("4.08 times as large as without the sheets")
+    expect(page.locator("#score")).to_have_text("3 of 3 right at the first try")
+    page.emulate_media(reduced_motion="reduce")
+    page.get_by_role("button", name="Try again").click()
+    page.get_by_role("button", name="Reveal").click()
+    expect(answer).to_contain_text("This is one way.")
+    expect(page.locator("#sentence")).to_contain_text(" 4.00 times as large")  # the solution fulfils the goal
 
 
 def test_a_picture_is_matched_by_sliders(page):
@@ -196,7 +218,11 @@ def test_votes_are_counted(page):
     page.get_by_role("button", name="Votes of the class").click()
 
 
-def test_a_question_of_ones_own_is_a_link(page):
+def scrambled(page):
+    return lambda text: page.evaluate("(text) => `#own=${povgen.scramble.scrambled(text)}`", text)
+
+
+def test_questions_of_ones_own_are_a_link(page):
     page.evaluate("openQuestion(0); draw()")
     page.get_by_role("button", name="A question of your own").click()
     page.get_by_role("button", name="Open the question").click()
@@ -211,22 +237,62 @@ def test_a_question_of_ones_own_is_a_link(page):
     page.locator("#own-why").fill("It is so.")
     page.get_by_role("button", name="Open the question").click()
     page.wait_for_function("state.question >= 0")
-    link = page.evaluate("draw(), toHash()")
     assert page.evaluate("spoken.language") == "en"  # the language is not part of the question
-    page.evaluate("choose('en'); session.own_question = ''; openQuestion(-1); fromHash('')")
+    page.evaluate("change({ alpha: 20 })")
+    page.locator("#own-start").click()
+    page.locator("#own-text").fill("And, now?")
+    page.locator("#own-choices").fill("left\nright\nback")
+    page.get_by_role("button", name="Open the question").click()
+    page.wait_for_function("state.alpha === 20")
+    page.evaluate("draw()")
+    page.locator("#level").uncheck()
+    page.locator("#previous").click()
+    link = page.evaluate("draw(), toHash()")
+    assert len(link) < 350  # room for more questions in a QR code
+    code = link.partition("own=")[2]
+    for text in (link, b64decode(code + "===", "-_").decode("latin1")):
+        assert "down" not in text and "left" not in text
+    page.evaluate("openQuestion(-1); fromHash('')")
+    assert page.evaluate("QUESTIONS.length") == 23
     page.evaluate("(link) => { fromHash(link); draw(); }", link)
     expect(page.locator("#ask")).to_have_text("Which way <b>now</b>?")
-    assert page.evaluate("state.alpha") == 10
+    expect(page.locator("#question-count")).to_have_text("Question 1 of 2")
+    assert page.evaluate("[state.alpha, state.level]") == [10, "simple"]
     page.get_by_role("radio", name="up").check()
     page.evaluate("reveal(); endGlide(); draw()")
     assert page.evaluate("state.alpha") == 70
     expect(page.locator("#answer")).to_have_text("Yes: up. It is so.")
-    many = json.dumps({"ask": "a", "choices": ["b"] * 21, "why": "", "before": "", "after": ""})
-    for wrong in ("{", many, '{"ask": "a", "choices": ["b"], "why": "", "before": "", "after": ""}', '{"ask": 1}'):
-        page.evaluate("(text) => fromHash(`#own=${encodeURIComponent(text)}`)", wrong)
-        assert page.evaluate("state.question") == -1
-    page.evaluate("QUESTIONS.pop()")
-    page.evaluate("document.querySelector('[aria-controls=own]').click()")
+    page.get_by_role("button", name="Votes of the class").click()
+    page.locator("#votes input").nth(1).fill("7")
+    page.get_by_role("button", name="Votes of the class").click()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save CSV").click()
+    name = page.evaluate("QUESTIONS[23].name")
+    assert download.value.path().read_text("utf-8-sig").splitlines() == [
+        "name,question,answer,right,votes,votes_2,predicted,first_try",
+        f"{name},Which way <b>now</b>?,down & out,0,0,,0,",
+        f"{name},Which way <b>now</b>?,up,1,7,,1,1",
+    ]
+    page.locator("#next").click()
+    page.evaluate("draw()")
+    expect(page.locator("#ask")).to_have_text("And, now?")
+    page.evaluate("$('level').click(); draw(); $('own-remove').click(); draw()")
+    expect(page.locator("#question-count")).to_have_text("Question 1 of 1")
+    old = json.dumps({"ask": "a?", "choices": ["b", "c"], "why": "", "before": "#sheet=none", "after": "#alpha=9"})
+    page.evaluate("(text) => fromHash(`#own=${encodeURIComponent(text)}`)", old)  # of an earlier version
+    assert page.evaluate("[ask(QUESTIONS[state.question]), state.sheet]") == ["a?", "none"]
+    many = json.dumps([["a", "", "", "", *"b" * 21]])
+    for wrong in (
+        link[:-1],
+        link[:-4],
+        link[: len(link) // 2 + 60],
+        "#own={",
+        *map(scrambled(page), (many, '[["a", "", "", "", "b"]]')),
+    ):
+        page.evaluate("(link) => { fromHash(link); draw(); }", wrong)
+        assert page.evaluate("[state.question, QUESTIONS.length]") == [-1, 23]
+        expect(page.locator("#sentence")).to_contain_text("The link is not complete: its questions are missing.")
+    page.evaluate("openQuestion(0); draw(); document.querySelector('[aria-controls=own]').click()")
 
 
 def test_an_input_ends_the_movement_to_the_answer(page):
@@ -245,7 +311,7 @@ def test_what_was_explored_comes_back_after_the_questions(page):
 
 
 def test_a_link_to_a_question_does_not_show_its_answer(page):
-    page.evaluate("revealed.clear(); fromHash('#question=near&alpha=66')")
+    page.evaluate("fromHash('#question=near&alpha=66')")
     assert page.evaluate("[state.question, state.alpha]") == [1, 0]
     show(page)
     expect(page.locator("#answer")).to_be_empty()
@@ -254,17 +320,17 @@ def test_a_link_to_a_question_does_not_show_its_answer(page):
 def test_simple_questions_are_those_without_formulas(page):
     show(page, level="simple")
     page.locator("#tab-questions").click()
-    for number in range(1, 13):
+    for number in range(1, 16):
         page.evaluate("draw()")
-        expect(page.locator("#question-count")).to_have_text(f"Question {number} of 12")
+        expect(page.locator("#question-count")).to_have_text(f"Question {number} of 15")
         page.evaluate("reveal(); endGlide(); draw()")
         assert not re.search(r"[PMrZν] =|[zs]₂/|arctan", page.locator("#answer").text_content()), number
-        if number < 12:
+        if number < 15:
             page.locator("#next").click()
     expect(page.locator("#next")).to_be_disabled()
     show(page, level="expert")
     page.evaluate("openQuestion(3); reveal(); endGlide(); draw()")
-    expect(page.locator("#question-count")).to_have_text("Question 4 of 20")
+    expect(page.locator("#question-count")).to_have_text("Question 4 of 23")
     expect(page.locator("#answer")).to_contain_text("ν = arctan(z₁/z₂)")
     expect(page.locator("#prediction .right")).to_have_text("it turns further")
 
