@@ -11,7 +11,7 @@ import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, WHOLE } from "./state.js";
+import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, usesAlpha, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.
@@ -158,6 +158,9 @@ export function fillPage() {
   for (const option of $("piece").options) option.textContent = pieceName(option.value);
 }
 
+// The quantity that matters for the sheet: the movie's, if the sheet has an angle. A projector shows its slider.
+const mainSlider = () => (usesAlpha(state.sheet) ? player.preset.parameter : data.kinds[state.sheet]?.parameters.find((name) => SLIDERS[name]) ?? "z1");
+
 // Show the state in all inputs, except in a field that someone is typing in.
 export function showInputs(now) {
   for (const name of Object.keys(SLIDERS)) {
@@ -177,6 +180,8 @@ export function showInputs(now) {
   for (const [name, holds] of Object.entries({ simple, asking, measuring, compact: !simple || asking || measuring })) document.body.classList.toggle(name, holds);
   $("level").checked = !simple;
   $("best-focus").checked = state.focus === "best";
+  const main = mainSlider();
+  for (const name of Object.keys(SLIDERS)) $(`row-${name}`).classList.toggle("main", name === main);
   $("row-prisms").hidden = (now.beyond || simple) && !now.glass;
   $("beyond-choice").hidden = simple && beyond === "none";
   $("beyond").value = beyond;

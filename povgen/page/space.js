@@ -23,6 +23,7 @@ const LOW = 110;     // pixels: a lower view names only L and E
 export const CAMERAS = { side: [0, 0], corner: [0.55, 0.3], above: [0, 1.5], eye: [1.57, 0.06] };
 
 export function drawSpace(now) {
+  place();
   const { width, height } = space.getBoundingClientRect();
   if (!width) return;
   const rem = Math.min(parseFloat(getComputedStyle(document.documentElement).fontSize), width / 24);
@@ -33,7 +34,6 @@ export function drawSpace(now) {
   if (drawing.squeeze < 1 && height >= LOW) space.append(words("scale", [width / 2, height - Math.max(0.8 * rem, 12)], say("light.shorter", { times: brief(1 / drawing.squeeze) })));
   $("light-says").textContent = [drawing.says, ...(now.glass && state.light !== "prism" ? [lightShares(now)] : [])].join(" ");
   for (const button of $("cameras").children) button.setAttribute("aria-pressed", String(session.camera) === String(CAMERAS[button.value]));
-  place();
 }
 
 // The view stands in the panel, or in place of the picture, which then becomes small.

@@ -44,6 +44,34 @@ CUT = """() => [
     wide.remove();
     return part.offsetWidth < least;
   })].map((part) => part.outerHTML.slice(0, 80))"""
+# What a page shows that is cut by the window's border or lies over something else; and letters that are smaller than
+# a part of the window's height. The small picture lies over the light.
+COVERED = """(part) => {
+  const faults = [], sees = (each) => each.checkVisibility({ visibilityProperty: true });
+  const named = "button, select, input, .choice label, .slider label, p[id], #prediction label, #stage, #space-turn";
+  const left = "#stage > *, .choice input, .on-focus, .hidden-text, p:empty";
+  const parts = [...document.querySelectorAll(named)].filter((each) => sees(each) && !each.closest(left));
+  const boxes = parts.map((each) => each.getBoundingClientRect());
+  const name = (each) => each.id || each.textContent.trim() || each.outerHTML;
+  parts.forEach((a, n) => {
+    const { left, right, top, bottom } = boxes[n];
+    if (Math.min(left, top) < 0 || right > innerWidth || bottom > innerHeight) faults.push(`${name(a)} is cut`);
+    parts.slice(n + 1).forEach((b, k) => {
+      const other = boxes[n + 1 + k];
+      if (a.contains(b) || b.contains(a) || (a.id === "stage" && b.id === "space-turn")) return;
+      const wide = Math.min(right, other.right) - Math.max(left, other.left);
+      const high = Math.min(bottom, other.bottom) - Math.max(top, other.top);
+      if (Math.min(wide, high) > 1) faults.push(`${name(a)} is over ${name(b)}`);
+    });
+  });
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let text; (text = texts.nextNode()); ) {
+    const within = text.parentElement, size = parseFloat(getComputedStyle(within).fontSize);
+    if (!text.data.trim() || !sees(within) || within.closest("option, .hidden-text, .title, .on-focus")) continue;
+    if (size < part * innerHeight - 0.01) faults.push(`${size} px: ${text.data}`);
+  }
+  return faults;
+}"""
 # By how many pixels the page is higher than the screen, and the panel's content higher than the panel.
 EXCESS = """() => [document.documentElement.scrollHeight - innerHeight,
   ((panel) => panel.scrollHeight - panel.clientHeight)(document.querySelector(".panel"))]"""
@@ -86,6 +114,34 @@ def test_each_control_is_in_sight_on_top_and_large_enough(page, size):
     page.evaluate("$('leave').click()")
     assert stage["width"] >= min(0.9 * width, 0.75 * height)
     assert stage["x"] >= 0 and stage["x"] + stage["width"] <= width
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, language):
+    """With the slider that matters for the sheet, and the buttons that choose it."""
+    page.evaluate("$('share-open').click(); $('present').click()")
+    try:
+        for size in ((1024, 768), (1280, 720), (1920, 1080)):
+            resize(page, size)
+            for values, slider in (
+                ({"alpha": 180, "light": "pencil", "large": True}, "alpha"),
+                ({"sheet": "detailed", "position": True, "caption": True}, "alpha"),
+                ({"sheet": "single", "light": "prism", "large": True}, "z1"),
+                ({"sheet": "lens", "level": "expert"}, "focal_length"),
+                ({"question": 1, "large": True}, None),
+            ):
+                page.evaluate("(language) => { fromHash(''); player.reset(); choose(language); }", language)
+                show(page, **values)
+                page.evaluate("draw()")  # when all sentences have their lengths
+                assert page.evaluate(COVERED, 1 / 40) == [], (size, values)
+                sliders = page.locator("input[type=range]:visible").evaluate_all("(all) => all.map(({ id }) => id)")
+                assert sliders == ([f"slider-{slider}"] if slider else [])
+                for part in ("#leave", "#sentence", "#sheet"):
+                    expect(page.locator(part)).to_be_visible()
+                shown = page.locator("#space-turn" if "large" in values else "#stage").bounding_box()
+                assert shown["height"] > 0.4 * size[1], (size, values)
+    finally:
+        page.evaluate("$('leave').click(); choose('en'); draw()")
 
 
 def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_a_question(page):
