@@ -1,7 +1,9 @@
 """What a lesson takes away from the page, how it looks, and the user's own room."""
 
 import re
+import zlib
 from io import BytesIO
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -136,6 +138,26 @@ def test_the_page_is_printed_with_its_picture(page):
     page.emulate_media(media="screen")
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert not page.locator("#print-picture").get_attribute("src")
+
+
+FRAME, PANE = b".7882 .6471 .4824 rg", b".9333 .9529 .9647 rg"  # colours of the view of the light, and of the diagram
+
+
+@pytest.mark.parametrize("landscape", [False, True])
+def test_what_is_printed_is_neither_covered_nor_cut(page, landscape):
+    page.emulate_media(media="print")
+    page.set_viewport_size({"width": 1047 if landscape else 718, "height": 718 if landscape else 1047})
+    show(page, light="pencil", large=True, level="simple")
+    boxes = bounds(page, "h1", "#stage", "#space-turn", "#light-says", "#sentence", "#row-alpha", "dl")
+    assert all(box["height"] > 10 for box in boxes)
+    assert all(a["bottom"] <= b["top"] + 1 for a, b in pairwise(boxes))
+    show(page, large=False, level="expert")
+    page.emulate_media(media="screen")
+    printed = page.pdf(format="A4", landscape=landscape)
+    streams = re.findall(rb"/FlateDecode.*?stream\r?\n(.*?)endstream", printed, re.S)
+    pages = [text for text in map(zlib.decompress, streams) if FRAME in text or PANE in text]
+    for colour in (FRAME, PANE):
+        assert sum(colour in text for text in pages) == 1  # what is cut is on two pages
 
 
 def test_a_camera_that_does_not_start_or_is_unplugged(page):
