@@ -34,7 +34,7 @@ STATES = [
 ]
 # What is cut off: words in places that are too narrow, and selects whose longest option does not fit.
 CUT = """() => [
-  ...[...document.querySelectorAll("dl div, button, legend, label, .player, #sentence")]
+  ...[...document.querySelectorAll("dl div, button, legend, label, label > span, .player, #sentence")]
     .filter((part) => part.scrollWidth > part.clientWidth + 1 && part.checkVisibility()
       && getComputedStyle(part).display !== "inline" && !part.matches(".hidden-text, .handle")),
   ...[...document.querySelectorAll("select")].filter((part) => part.checkVisibility()).filter((part) => {
@@ -44,24 +44,25 @@ CUT = """() => [
     wide.remove();
     return part.offsetWidth < least;
   })].map((part) => part.outerHTML.slice(0, 80))"""
-# What a page shows that is cut by the window's border or lies over something else; and letters that are smaller than
-# a part of the window's height. The small picture lies over the light.
-COVERED = """(part) => {
+# What a page shows that is cut by the window's border, or by the page's if no part is given, or lies over something
+# else; and letters that are smaller than this part of the window's height. The small picture lies over the light.
+COVERED = """(part = 0) => {
   const faults = [], sees = (each) => each.checkVisibility({ visibilityProperty: true });
+  const high = part ? innerHeight : document.documentElement.scrollHeight;
   const named = "button, select, input, .choice label, .slider label, p[id], #prediction label, #stage, #space-turn";
-  const left = "#stage > *, .choice input, .on-focus, .hidden-text, p:empty";
-  const parts = [...document.querySelectorAll(named)].filter((each) => sees(each) && !each.closest(left));
+  const hidden = "#stage > *, .choice input, .on-focus, .hidden-text, p:empty, .handle, .title";
+  const parts = [...document.querySelectorAll(named)].filter((each) => sees(each) && !each.closest(hidden));
   const boxes = parts.map((each) => each.getBoundingClientRect());
   const name = (each) => each.id || each.textContent.trim() || each.outerHTML;
   parts.forEach((a, n) => {
     const { left, right, top, bottom } = boxes[n];
-    if (Math.min(left, top) < 0 || right > innerWidth || bottom > innerHeight) faults.push(`${name(a)} is cut`);
+    if (Math.min(left, top) < 0 || right > innerWidth || bottom > high) faults.push(`${name(a)} is cut`);
     parts.slice(n + 1).forEach((b, k) => {
       const other = boxes[n + 1 + k];
       if (a.contains(b) || b.contains(a) || (a.id === "stage" && b.id === "space-turn")) return;
-      const wide = Math.min(right, other.right) - Math.max(left, other.left);
-      const high = Math.min(bottom, other.bottom) - Math.max(top, other.top);
-      if (Math.min(wide, high) > 1) faults.push(`${name(a)} is over ${name(b)}`);
+      const across = Math.min(right, other.right) - Math.max(left, other.left);
+      const down = Math.min(bottom, other.bottom) - Math.max(top, other.top);
+      if (Math.min(across, down) > 1) faults.push(`${name(a)} is over ${name(b)}`);
     });
   });
   const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
@@ -153,13 +154,29 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
     expect(page.locator("#next")).to_be_in_viewport(ratio=1)
 
 
+def test_a_question_scrolls_its_panel_but_not_the_page(page):
+    resize(page, (900, 560))
+    show(page, question=1)
+    page.get_by_role("button", name="Predict by drawing").click()
+    height, panel = page.evaluate(EXCESS)
+    page.get_by_role("button", name="Predict by drawing").click()
+    assert height <= 0 < panel
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_each_language_fits(page, language):
     """A small phone, the header of a small notebook in one row, and the table of measurements."""
     try:
         page.evaluate("(language) => { choose(language); change({ level: 'simple' }); draw(); }", language)
-        resize(page, (320, 568))
-        assert page.evaluate("document.documentElement.scrollWidth") <= 320
+        resize(page, (320, 256))  # 1280 x 1024, four times as large
+        aids = "(shown) => { $('drawing').hidden = $('votes').hidden = !shown; draw(); draw(); scrollTo(0, 0); }"
+        for values in ({"question": 1}, {}, {"level": "simple", "large": True, "light": "pencil"}):
+            page.evaluate("fromHash('')")
+            show(page, **values)
+            page.evaluate(aids, "question" in values)
+            assert page.evaluate(COVERED) + page.evaluate(CUT) == [], values
+            assert page.evaluate("document.documentElement.scrollWidth") <= 320
+        assert page.locator("#space-turn").bounding_box()["height"] > 0.6 * 256
         resize(page, (1280, 800))
         middle = "(parts) => parts.map((part) => part.getBoundingClientRect()).map((at) => (at.top + at.bottom) / 2)"
         places = page.locator(".title, #tour-start, .tools").evaluate_all(middle)
