@@ -58,6 +58,34 @@ for (const [name, letters] of FIELDS) {
   [...letters].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) })));
 }
 
+// A finger that moves up or down from a slider scrolls the page, and changes nothing. A browser moves the slider as soon as it is touched:
+// this counts when the finger moves across, or is lifted.
+let touched = null;
+function settle() {
+  touched.settled = true;
+  touched.slider.value = touched.moved;  // a movie may have moved it since
+  touched.slider.dispatchEvent(new Event("input", { bubbles: true }));
+}
+/** @type {Object<string, (event: any) => void>} */
+const FINGER = {
+  pointerdown: ({ target, pointerType, clientX }) => (touched = pointerType === "touch" && target.type === "range" ? { slider: target, before: target.value, x: clientX } : null),
+  input(event) {
+    if (event.target !== touched?.slider || touched.settled) return;
+    touched.moved = event.target.value;
+    event.stopImmediatePropagation();
+  },
+  pointermove: ({ clientX }) => touched?.moved && !touched.settled && Math.abs(clientX - touched.x) > 8 && settle(),
+  pointerup() {
+    if (touched?.moved && !touched.settled) settle();
+    touched = null;
+  },
+  pointercancel() {
+    if (touched && !touched.settled) touched.slider.value = touched.before;
+    touched = null;
+  },
+};
+for (const [event, action] of Object.entries(FINGER)) document.addEventListener(event, action, true);
+
 // Of the spheres, an arrow key on the slider of z1 chooses the next one.
 $("slider-z1").addEventListener("keydown", (event) => {
   const aside = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];

@@ -303,17 +303,43 @@ function turnTo(camera) {
   refresh();
 }
 
+function zoomBy(factor) {
+  session.zoom = clamped(session.zoom * factor, [0.5, 40]);
+  refresh();
+}
+
+// Two fingers zoom: their distances count. Until both are lifted, the view does not turn.
+const fingers = new Map();
+let pinched = false;
+const apart = () => {
+  const [a, b] = fingers.values();
+  return fingers.size === 2 ? abs(minus(a, b)) : 0;
+};
+for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) {
+  $("space-turn").addEventListener(event, ({ type, pointerId, clientX, clientY }) => {
+    const before = apart();
+    if (type === "pointerdown" || fingers.has(pointerId)) fingers.set(pointerId, [clientX, clientY]);
+    if (type === "pointermove" && before) zoomBy(apart() / before);
+    if (type === "pointerup" || type === "pointercancel") fingers.delete(pointerId);
+    pinched = fingers.size > 1 || (pinched && fingers.size > 0);
+  });
+}
 onDrag($("space-turn"), () => {
   const [azimuth, elevation] = session.camera;
-  return ([right, up]) => turnTo([azimuth - right / 150, elevation - up / 150]);
+  return ([right, up]) => pinched || turnTo([azimuth - right / 150, elevation - up / 150]);
 });
+$("space-turn").addEventListener("wheel", (event) => {
+  event.preventDefault();
+  zoomBy(Math.exp(-(event.deltaMode ? 33 : 1) * event.deltaY / 500));  // a wheel may count lines
+}, { passive: false });
 
 const ZOOMS = { "+": 1.2, "-": 1 / 1.2, "0": 0 };
 $("space-turn").addEventListener("keydown", (event) => {
   if (!(event.key in ZOOMS) || event.ctrlKey || event.altKey || event.metaKey) return;
   event.preventDefault();
   event.stopPropagation();  // digits are keys of the movies
-  session.zoom = ZOOMS[event.key] ? clamped(session.zoom * ZOOMS[event.key], [0.5, 40]) : 1;
+  if (ZOOMS[event.key]) zoomBy(ZOOMS[event.key]);
+  else session.zoom = 1;
   sayTurned();
 });
 onArrows($("space-turn"), (step, event) => {
@@ -326,4 +352,9 @@ function sayTurned() {
   $("spoken").textContent = say("light.turned", { azimuth, elevation, times: brief(session.zoom) });
   refresh();
 }
-for (const button of $("cameras").children) button.addEventListener("click", () => turnTo(CAMERAS[button.value]));
+for (const button of $("cameras").children) {
+  button.addEventListener("click", () => {
+    session.zoom = 1;
+    turnTo(CAMERAS[button.value]);
+  });
+}

@@ -5,7 +5,7 @@ from axe_playwright_python.sync_playwright import Axe
 from conftest import AXE, FAULTS, some
 from playwright.sync_api import expect
 
-from demo.conftest import show
+from demo.conftest import bounds, opened, show, touch
 from povgen.liveview.languages import tables
 from povgen.page.page import ALL_KINDS, KINDS
 
@@ -152,6 +152,40 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
     resize(page, (1280, 650))
     show(page, question=6)
     expect(page.locator("#next")).to_be_in_viewport(ratio=1)
+
+
+def test_a_finger_that_scrolls_from_a_slider_changes_nothing(browser, demo_file):
+    page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
+    resize(page, (390, 844))
+    for across, down, changes in ((20, 0, True), (0, 0, True), (0, -20, False)):  # the page still scrolls at the end
+        page.evaluate("draw(); scrollTo(0, 200)")
+        box = page.locator("#slider-z1").bounding_box()
+        x, y = box["x"] + (150 if down else 10), box["y"] + box["height"] / 2
+        before, top = page.evaluate("[state.z1, scrollY]")
+        touch(page, *([(x + k * across, y + k * down)] for k in range(6 if across or down else 1)))
+        if down:
+            page.wait_for_function("(top) => scrollY > top", arg=top)
+        assert (page.evaluate("state.z1") != before) == changes
+    assert not faults
+    page.close()
+
+
+def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
+    """On a phone, also in the guided start, and beside a question."""
+    resize(page, (1280, 800))
+    show(page, question=1, level="simple")
+    assert page.locator("#space-turn").bounding_box()["height"] > 150
+    resize(page, (390, 844))
+    show(page, question=-1, level="expert")
+    assert page.locator("#space-turn").bounding_box()["height"] > 200
+    small = """() => [...document.querySelectorAll("body :not(svg *, sub, sup, option, .on-focus, .hidden-text)")]
+      .filter((each) => each.checkVisibility() && [...each.childNodes].some(({ data }) => data?.trim()))
+      .filter((each) => parseFloat(getComputedStyle(each).fontSize) < 14.5).map((each) => each.outerHTML)"""
+    assert page.evaluate(small) == []
+    page.evaluate("tour.start(); draw()")
+    leave, shows = bounds(page, "#tour-leave", ".shows")
+    page.evaluate("tour.leave(); draw()")
+    assert shows["top"] - leave["bottom"] < 40
 
 
 def test_a_question_scrolls_its_panel_but_not_the_page(page):
