@@ -75,6 +75,12 @@ def test_a_frame_leaves_out_what_is_hidden(browser, demo_file):
         page.set_viewport_size({"width": width, "height": height})
         assert page.locator("#stage").bounding_box()["width"] > 0.5 * width
         assert page.evaluate("document.documentElement.scrollHeight <= innerHeight + 1")
+    for width, height in ((800, 640), (1200, 700)):
+        page.set_viewport_size({"width": width, "height": height})
+        show(page, large=True)
+        light, says, sentence, player = bounds(page, "#space-turn", "#light-says", "#sentence", ".player")
+        assert light["height"] > 0.5 * height
+        assert light["bottom"] < says["top"] and says["bottom"] < sentence["top"] and player["bottom"] < height
     page.close()
 
 
