@@ -11,7 +11,7 @@ import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, WHOLE } from "./state.js";
+import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, usesAlpha, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.
@@ -58,6 +58,34 @@ for (const [name, letters] of FIELDS) {
   [...letters].forEach((axis, k) => numberField($(`number-${name}${axis}`), 0.05, (x) => ({ [name]: state[name].map((old, n) => (n === k ? x : old)) }),
     name, () => say("settings.x_of", { axis, name: SYMBOL[name] ?? name })));
 }
+
+// A finger that moves up or down from a slider scrolls the page, and changes nothing. A browser moves the slider as soon as it is touched:
+// this counts when the finger moves across, or is lifted.
+let touched = null;
+function settle() {
+  touched.settled = true;
+  touched.slider.value = touched.moved;  // a movie may have moved it since
+  touched.slider.dispatchEvent(new Event("input", { bubbles: true }));
+}
+/** @type {Object<string, (event: any) => void>} */
+const FINGER = {
+  pointerdown: ({ target, pointerType, clientX }) => (touched = pointerType === "touch" && target.type === "range" ? { slider: target, before: target.value, x: clientX } : null),
+  input(event) {
+    if (event.target !== touched?.slider || touched.settled) return;
+    touched.moved = event.target.value;
+    event.stopImmediatePropagation();
+  },
+  pointermove: ({ clientX }) => touched?.moved && !touched.settled && Math.abs(clientX - touched.x) > 8 && settle(),
+  pointerup() {
+    if (touched?.moved && !touched.settled) settle();
+    touched = null;
+  },
+  pointercancel() {
+    if (touched && !touched.settled) touched.slider.value = touched.before;
+    touched = null;
+  },
+};
+for (const [event, action] of Object.entries(FINGER)) document.addEventListener(event, action, true);
 
 // Of the spheres, an arrow key on the slider of z1 chooses the next one.
 $("slider-z1").addEventListener("keydown", (event) => {
@@ -166,6 +194,9 @@ export function fillPage() {
   for (const option of $("piece").options) option.textContent = pieceName(option.value);
 }
 
+// The quantity that matters for the sheet: the movie's, if the sheet has an angle. A projector shows its slider.
+const mainSlider = () => (usesAlpha(state.sheet) ? player.preset.parameter : data.kinds[state.sheet]?.parameters.find((name) => SLIDERS[name]) ?? "z1");
+
 // Show the state in all inputs, except in a field that someone is typing in.
 export function showInputs(now) {
   for (const name of Object.keys(SLIDERS)) {
@@ -185,6 +216,8 @@ export function showInputs(now) {
   for (const [name, holds] of Object.entries({ simple, asking, measuring, compact: !simple || asking || measuring })) document.body.classList.toggle(name, holds);
   $("level").checked = !simple;
   $("best-focus").checked = state.focus === "best";
+  const main = mainSlider();
+  for (const name of Object.keys(SLIDERS)) $(`row-${name}`).classList.toggle("main", name === main);
   $("row-prisms").hidden = (now.beyond || simple) && !now.glass;
   $("beyond-choice").hidden = simple && beyond === "none";
   $("beyond").value = beyond;

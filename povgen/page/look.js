@@ -13,7 +13,7 @@ look(dark.matches);
 dark.addEventListener("change", () => look(dark.matches));
 $("dark").addEventListener("click", () => look(root.dataset.look !== "dark"));
 
-// For a projector: the picture, the sentence and one slider, in large type, and a pointer.
+// For a projector: the picture, the sentence, the sheets and one slider, in large type, and a pointer.
 export function present(on) {
   const focused = document.activeElement === $("leave");
   document.body.classList.toggle("present", on);
@@ -29,7 +29,7 @@ $("present").addEventListener("click", () => {
 });
 $("leave").addEventListener("click", () => present(false));
 document.addEventListener("keydown", ({ key }) => key === "Escape" && document.body.classList.contains("present") && present(false));
-$("stage").addEventListener("pointermove", ({ clientX, clientY }) => {
+$("stage-box").addEventListener("pointermove", ({ clientX, clientY }) => {
   $("pointer").style.transform = `translate(${clientX}px, ${clientY}px)`;
 });
 

@@ -4,7 +4,7 @@ import { benchText } from "../liveview/readout.js";
 import { fromHash, toHash } from "./address.js";
 import { drawQuestion, endGlide, rewriteQuestion } from "./asking.js";
 import { drawTabs, fillPage, showInputs, showMarks, showNumbers } from "./controls.js";
-import { $, drawBy, refresh } from "./data.js";
+import { $, drawBy, pick, refresh } from "./data.js";
 import { drawDiagram } from "./diagram.js";
 import { placeHandles } from "./handles.js";
 import { drawKept } from "./handouts.js";
@@ -86,11 +86,24 @@ for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]
   addEventListener(event, ({ buttons }) => (pressed = Boolean(buttons & 1)), true);
 }
 
+// The browser's Back leads to what was shown before another one of these was chosen. All other changes, such as those of a slider, are
+// kept in the present entry of the browser's history.
+const chosen = () => JSON.stringify(pick(state, "scene", "sheet", "windows", "sheet2", "question", "level", "large"));
+
 export function keepAddress() {
   if (pressed) return later("address", 400, keepAddress);
   if (toHash() === kept) return;
-  kept = toHash();
-  location.hash = kept;  // in Jupyter's frames history.pushState is forbidden
+  const isNew = chosen() !== keptChoice;
+  [kept, keptChoice] = [toHash(), chosen()];
+  const address = location.href.replace(/#.*|$/, "") + kept;
+  if (isNew) location.hash = kept;
+  else {
+    try {
+      history.replaceState(null, "", address);
+    } catch {  // it is forbidden in Jupyter's frames
+      location.replace(address);
+    }
+  }
 }
 
 addEventListener("popstate", () => {
@@ -102,14 +115,14 @@ addEventListener("popstate", () => {
   if (state.question < 0) session.explored = { ...state };
   chooseUsual();  // unless the address has another
   fromHash(location.hash);
-  kept = toHash();
+  [kept, keptChoice] = [toHash(), chosen()];
   refresh();
 });
 
 drawBy(drawPage);
 fromHash(location.hash);
 const opened = toHash();
-let kept = opened;  // the state that the address has
+let kept = opened, keptChoice = chosen();  // the state that the address has
 for (const part of [stage, $("diagram-box"), $("space-turn")]) new ResizeObserver(refresh).observe(part);
 document.fonts?.ready.then(refresh);
 view.ready.then(() => {

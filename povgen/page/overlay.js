@@ -25,7 +25,7 @@ export const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
 export function drawOverlay(now) {
   const box = { width: stage.clientWidth, height: stage.clientHeight };
   if (!box.width) return;
-  const rem = Math.max(12, box.height / 36);
+  const rem = Math.max(12, box.height / 36, document.body.classList.contains("present") ? innerHeight / 40 : 0);
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(session.marked))) parts.push(...paths(now));
   parts.push(...dashed(), ...image(now), ...construction(now, rem, box), ...marks(now, rem, box));

@@ -23,6 +23,7 @@ const LOW = 110;     // pixels: a lower view names only L and E
 export const CAMERAS = { side: [0, 0], corner: [0.55, 0.3], above: [0, 1.5], eye: [1.57, 0.06] };
 
 export function drawSpace(now) {
+  place();
   const { width, height } = space.getBoundingClientRect();
   if (!width) return;
   const rem = Math.min(parseFloat(getComputedStyle(document.documentElement).fontSize), width / 24);
@@ -34,7 +35,6 @@ export function drawSpace(now) {
   $("light-says").textContent = [drawing.says, ...(now.glass && state.light !== "prism" ? [lightShares(now)] : [])].join(" ");
   $("light-where").textContent = drawing.where ?? "";
   for (const button of $("cameras").children) button.setAttribute("aria-pressed", String(session.camera) === String(CAMERAS[button.value]));
-  place();
 }
 
 // The view stands in the panel, or in place of the picture, which then becomes small.
@@ -304,17 +304,43 @@ function turnTo(camera) {
   refresh();
 }
 
+function zoomBy(factor) {
+  session.zoom = clamped(session.zoom * factor, [0.5, 40]);
+  refresh();
+}
+
+// Two fingers zoom: their distances count. Until both are lifted, the view does not turn.
+const fingers = new Map();
+let pinched = false;
+const apart = () => {
+  const [a, b] = fingers.values();
+  return fingers.size === 2 ? abs(minus(a, b)) : 0;
+};
+for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) {
+  $("space-turn").addEventListener(event, ({ type, pointerId, clientX, clientY }) => {
+    const before = apart();
+    if (type === "pointerdown" || fingers.has(pointerId)) fingers.set(pointerId, [clientX, clientY]);
+    if (type === "pointermove" && before) zoomBy(apart() / before);
+    if (type === "pointerup" || type === "pointercancel") fingers.delete(pointerId);
+    pinched = fingers.size > 1 || (pinched && fingers.size > 0);
+  });
+}
 onDrag($("space-turn"), () => {
   const [azimuth, elevation] = session.camera;
-  return ([right, up]) => turnTo([azimuth - right / 150, elevation - up / 150]);
+  return ([right, up]) => pinched || turnTo([azimuth - right / 150, elevation - up / 150]);
 });
+$("space-turn").addEventListener("wheel", (event) => {
+  event.preventDefault();
+  zoomBy(Math.exp(-(event.deltaMode ? 33 : 1) * event.deltaY / 500));  // a wheel may count lines
+}, { passive: false });
 
 const ZOOMS = { "+": 1.2, "-": 1 / 1.2, "0": 0 };
 $("space-turn").addEventListener("keydown", (event) => {
   if (!(event.key in ZOOMS) || event.ctrlKey || event.altKey || event.metaKey) return;
   event.preventDefault();
   event.stopPropagation();  // digits are keys of the movies
-  session.zoom = ZOOMS[event.key] ? clamped(session.zoom * ZOOMS[event.key], [0.5, 40]) : 1;
+  if (ZOOMS[event.key]) zoomBy(ZOOMS[event.key]);
+  else session.zoom = 1;
   sayTurned();
 });
 onArrows($("space-turn"), (step, event) => {
@@ -327,4 +353,9 @@ function sayTurned() {
   $("spoken").textContent = say("light.turned", { azimuth, elevation, times: brief(session.zoom) });
   refresh();
 }
-for (const button of $("cameras").children) button.addEventListener("click", () => turnTo(CAMERAS[button.value]));
+for (const button of $("cameras").children) {
+  button.addEventListener("click", () => {
+    session.zoom = 1;
+    turnTo(CAMERAS[button.value]);
+  });
+}

@@ -145,6 +145,16 @@ def drag(page, start, step, box="#stage", tiles=None):
     page.evaluate("draw()")
 
 
+def touch(page, *places):
+    """Put fingers on the page, move them, and lift them. Each place has a point of each finger."""
+    session = page.context.new_cdp_session(page)
+    for n, points in enumerate(places):
+        fingers = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(points)]
+        session.send("Input.dispatchTouchEvent", {"type": "touchMove" if n else "touchStart", "touchPoints": fingers})
+    session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    session.detach()
+
+
 def pixels(png):
     with Image.open(BytesIO(png)) as image:
         return np.asarray(image.convert("RGB")).astype(int)

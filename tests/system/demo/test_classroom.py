@@ -177,8 +177,10 @@ def test_each_window_keeps_its_own_settings(page):
     assert page.evaluate("[state.windows, state.d, state.alpha2]") == [2, 3, 40]
 
 
-def test_a_drag_of_a_slider_is_one_entry_of_the_history(page):
-    page.evaluate("keepAddress()")
+def test_a_drag_of_a_slider_adds_no_entry_to_the_history(page):
+    """Also where a frame forbids to replace the entry. Another sheet does add one."""
+    show(page, sheet="detailed")
+    page.evaluate("keepAddress()")  # now the last entry is the present one
     entries = page.evaluate("history.length")
     box = page.locator("#slider-alpha").bounding_box()
     y = box["y"] + box["height"] / 2
@@ -189,8 +191,15 @@ def test_a_drag_of_a_slider_is_one_entry_of_the_history(page):
         page.evaluate("keepAddress()")  # as after a rest
     page.mouse.up()
     page.evaluate("keepAddress()")
-    assert page.evaluate("history.length") == entries + 1
     assert page.evaluate("state.alpha > 90 && location.hash === toHash()")
+    page.evaluate("void (history.replaceState = () => { throw new DOMException('', 'SecurityError'); })")
+    show(page, alpha=12.5)
+    page.evaluate("keepAddress(); delete history.replaceState")
+    page.wait_for_function("location.hash.includes('alpha=12.5&')")
+    assert page.evaluate("history.length") == entries
+    show(page, sheet="none")
+    page.evaluate("keepAddress()")
+    assert page.evaluate("history.length") == entries + 1
 
 
 def test_a_movie_does_not_run_on_in_a_hidden_tab(page):

@@ -44,7 +44,8 @@ def test_the_command(tmp_path):
 
 def test_back_and_forward(page):
     page.evaluate("keepAddress()")
-    for alpha in (10, 20, 30):
+    for sheet, alpha in (("detailed", 10), ("ideal", 20), ("detailed", 30)):
+        page.evaluate("(sheet) => { change({ sheet }); keepAddress(); }", sheet)
         page.locator("#number-alpha").fill(str(alpha))
         page.wait_for_function("(alpha) => location.hash.includes(`alpha=${alpha}&`)", arg=alpha)
     for go, alpha in ((page.go_back, 20), (page.go_back, 10), (page.go_forward, 20)):

@@ -1,7 +1,9 @@
 """What a lesson takes away from the page, how it looks, and the user's own room."""
 
 import re
+import zlib
 from io import BytesIO
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -102,6 +104,12 @@ def test_a_frame_leaves_out_what_is_hidden(browser, demo_file):
         page.set_viewport_size({"width": width, "height": height})
         assert page.locator("#stage").bounding_box()["width"] > 0.5 * width
         assert page.evaluate("document.documentElement.scrollHeight <= innerHeight + 1")
+    for width, height in ((800, 640), (1200, 700)):
+        page.set_viewport_size({"width": width, "height": height})
+        show(page, large=True)
+        light, says, sentence, player = bounds(page, "#space-turn", "#light-says", "#sentence", ".player")
+        assert light["height"] > 0.5 * height
+        assert light["bottom"] < says["top"] and says["bottom"] < sentence["top"] and player["bottom"] < height
     page.close()
 
 
@@ -165,6 +173,27 @@ def test_the_page_is_printed_with_its_picture(page):
     page.emulate_media(media="screen")
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert not page.locator("#print-picture").get_attribute("src")
+
+
+FRAME, PANE = b".7882 .6471 .4824 rg", b".9333 .9529 .9647 rg"  # colours of the view of the light, and of the diagram
+
+
+@pytest.mark.parametrize("landscape", [False, True])
+def test_what_is_printed_is_neither_covered_nor_cut(page, landscape):
+    page.emulate_media(media="print")
+    page.set_viewport_size({"width": 1047 if landscape else 718, "height": 718 if landscape else 1047})
+    show(page, light="pencil", large=True, level="simple")
+    boxes = bounds(page, "h1", "#stage", "#space-turn", "#light-says", "#sentence", "#row-alpha", "dl")
+    assert all(box["height"] > 10 for box in boxes)
+    assert all(a["bottom"] <= b["top"] + 1 for a, b in pairwise(boxes))
+    page.emulate_media(media="null")
+    page.set_viewport_size({"width": 1280, "height": 720})
+    show(page, large=False, level="expert")
+    printed = page.pdf(format="A4", landscape=landscape, margin=dict.fromkeys(("top", "bottom"), "10mm"))
+    streams = re.findall(rb"/FlateDecode.*?stream\r?\n(.*?)endstream", printed, re.S)
+    pages = [zlib.decompress(stream) for stream in streams]
+    for colour in (FRAME, PANE):
+        assert sum(colour in text for text in pages) == 1  # what is cut is on two pages
 
 
 def test_a_camera_that_does_not_start_or_is_unplugged(page):

@@ -5,7 +5,7 @@ from axe_playwright_python.sync_playwright import Axe
 from conftest import AXE, FAULTS, some
 from playwright.sync_api import expect
 
-from demo.conftest import show
+from demo.conftest import bounds, opened, show, touch
 from povgen.liveview.languages import tables
 from povgen.page.page import ALL_KINDS, KINDS
 
@@ -34,7 +34,7 @@ STATES = [
 ]
 # What is cut off: words in places that are too narrow, and selects whose longest option does not fit.
 CUT = """() => [
-  ...[...document.querySelectorAll("dl div, button, legend, label, .player, #sentence")]
+  ...[...document.querySelectorAll("dl div, button, legend, label, label > span, .player, #sentence")]
     .filter((part) => part.scrollWidth > part.clientWidth + 1 && part.checkVisibility()
       && getComputedStyle(part).display !== "inline" && !part.matches(".hidden-text, .handle")),
   ...[...document.querySelectorAll("select")].filter((part) => part.checkVisibility()).filter((part) => {
@@ -44,6 +44,35 @@ CUT = """() => [
     wide.remove();
     return part.offsetWidth < least;
   })].map((part) => part.outerHTML.slice(0, 80))"""
+# What a page shows that is cut by the window's border, or by the page's if no part is given, or lies over something
+# else; and letters that are smaller than this part of the window's height. The small picture lies over the light.
+COVERED = """(part = 0) => {
+  const faults = [], sees = (each) => each.checkVisibility({ visibilityProperty: true });
+  const high = part ? innerHeight : document.documentElement.scrollHeight;
+  const named = "button, select, input, .choice label, .slider label, p[id], #prediction label, #stage, #space-turn";
+  const hidden = "#stage > *, .choice input, .on-focus, .hidden-text, p:empty, .handle, .title";
+  const parts = [...document.querySelectorAll(named)].filter((each) => sees(each) && !each.closest(hidden));
+  const boxes = parts.map((each) => each.getBoundingClientRect());
+  const name = (each) => each.id || each.textContent.trim() || each.outerHTML;
+  parts.forEach((a, n) => {
+    const { left, right, top, bottom } = boxes[n];
+    if (Math.min(left, top) < 0 || right > innerWidth || bottom > high) faults.push(`${name(a)} is cut`);
+    parts.slice(n + 1).forEach((b, k) => {
+      const other = boxes[n + 1 + k];
+      if (a.contains(b) || b.contains(a) || (a.id === "stage" && b.id === "space-turn")) return;
+      const across = Math.min(right, other.right) - Math.max(left, other.left);
+      const down = Math.min(bottom, other.bottom) - Math.max(top, other.top);
+      if (Math.min(across, down) > 1) faults.push(`${name(a)} is over ${name(b)}`);
+    });
+  });
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let text; (text = texts.nextNode()); ) {
+    const within = text.parentElement, size = parseFloat(getComputedStyle(within).fontSize);
+    if (!text.data.trim() || !sees(within) || within.closest("option, .hidden-text, .title, .on-focus")) continue;
+    if (size < part * innerHeight - 0.01) faults.push(`${size} px: ${text.data}`);
+  }
+  return faults;
+}"""
 # By how many pixels the page is higher than the screen, and the panel's content higher than the panel.
 EXCESS = """() => [document.documentElement.scrollHeight - innerHeight,
   ((panel) => panel.scrollHeight - panel.clientHeight)(document.querySelector(".panel"))]"""
@@ -88,6 +117,34 @@ def test_each_control_is_in_sight_on_top_and_large_enough(page, size):
     assert stage["x"] >= 0 and stage["x"] + stage["width"] <= width
 
 
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, language):
+    """With the slider that matters for the sheet, and the buttons that choose it."""
+    page.evaluate("$('share-open').click(); $('present').click()")
+    try:
+        for size in ((1024, 768), (1280, 720), (1920, 1080)):
+            resize(page, size)
+            for values, slider in (
+                ({"alpha": 180, "light": "pencil", "large": True}, "alpha"),
+                ({"sheet": "detailed", "position": True, "caption": True}, "alpha"),
+                ({"sheet": "single", "light": "prism", "large": True}, "z1"),
+                ({"sheet": "lens", "level": "expert"}, "focal_length"),
+                ({"question": 1, "large": True}, None),
+            ):
+                page.evaluate("(language) => { fromHash(''); player.reset(); choose(language); }", language)
+                show(page, **values)
+                page.evaluate("draw()")  # when all sentences have their lengths
+                assert page.evaluate(COVERED, 1 / 40) == [], (size, values)
+                sliders = page.locator("input[type=range]:visible").evaluate_all("(all) => all.map(({ id }) => id)")
+                assert sliders == ([f"slider-{slider}"] if slider else [])
+                for part in ("#leave", "#sentence", "#sheet"):
+                    expect(page.locator(part)).to_be_visible()
+                shown = page.locator("#space-turn" if "large" in values else "#stage").bounding_box()
+                assert shown["height"] > 0.4 * size[1], (size, values)
+    finally:
+        page.evaluate("$('leave').click(); choose('en'); draw()")
+
+
 def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_a_question(page):
     resize(page, (390, 844))
     page.evaluate("scrollTo(0, 10000)")
@@ -97,13 +154,63 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
     expect(page.locator("#next")).to_be_in_viewport(ratio=1)
 
 
+def test_a_finger_that_scrolls_from_a_slider_changes_nothing(browser, demo_file):
+    page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
+    resize(page, (390, 844))
+    for across, down, changes in ((20, 0, True), (0, 0, True), (0, -20, False)):  # the page still scrolls at the end
+        page.evaluate("draw(); scrollTo(0, 200)")
+        box = page.locator("#slider-z1").bounding_box()
+        x, y = box["x"] + (150 if down else 10), box["y"] + box["height"] / 2
+        before, top = page.evaluate("[state.z1, scrollY]")
+        touch(page, *([(x + k * across, y + k * down)] for k in range(6 if across or down else 1)))
+        if down:
+            page.wait_for_function("(top) => scrollY > top", arg=top)
+        assert (page.evaluate("state.z1") != before) == changes
+    assert not faults
+    page.close()
+
+
+def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
+    """On a phone, also in the guided start, and beside a question."""
+    resize(page, (1280, 800))
+    show(page, question=1, level="simple")
+    assert page.locator("#space-turn").bounding_box()["height"] > 150
+    resize(page, (390, 844))
+    show(page, question=-1, level="expert")
+    assert page.locator("#space-turn").bounding_box()["height"] > 200
+    small = """() => [...document.querySelectorAll("body :not(svg *, sub, sup, option, .on-focus, .hidden-text)")]
+      .filter((each) => each.checkVisibility() && [...each.childNodes].some(({ data }) => data?.trim()))
+      .filter((each) => parseFloat(getComputedStyle(each).fontSize) < 14.5).map((each) => each.outerHTML)"""
+    assert page.evaluate(small) == []
+    page.evaluate("tour.start(); draw()")
+    leave, shows = bounds(page, "#tour-leave", ".shows")
+    page.evaluate("tour.leave(); draw()")
+    assert shows["top"] - leave["bottom"] < 40
+
+
+def test_a_question_scrolls_its_panel_but_not_the_page(page):
+    resize(page, (900, 560))
+    show(page, question=1)
+    page.get_by_role("button", name="Predict by drawing").click()
+    height, panel = page.evaluate(EXCESS)
+    page.get_by_role("button", name="Predict by drawing").click()
+    assert height <= 0 < panel
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_each_language_fits(page, language):
     """A small phone, the header of a small notebook in one row, and the table of measurements."""
     try:
         page.evaluate("(language) => { choose(language); change({ level: 'simple' }); draw(); }", language)
-        resize(page, (320, 568))
-        assert page.evaluate("document.documentElement.scrollWidth") <= 320
+        resize(page, (320, 256))  # 1280 x 1024, four times as large
+        aids = "(shown) => { $('drawing').hidden = $('votes').hidden = !shown; draw(); draw(); scrollTo(0, 0); }"
+        for values in ({"question": 1}, {}, {"level": "simple", "large": True, "light": "pencil"}):
+            page.evaluate("fromHash('')")
+            show(page, **values)
+            page.evaluate(aids, "question" in values)
+            assert page.evaluate(COVERED) + page.evaluate(CUT) == [], values
+            assert page.evaluate("document.documentElement.scrollWidth") <= 320
+        assert page.locator("#space-turn").bounding_box()["height"] > 0.6 * 256
         resize(page, (1280, 800))
         middle = "(parts) => parts.map((part) => part.getBoundingClientRect()).map((at) => (at.top + at.bottom) / 2)"
         places = page.locator(".title, #tour-start, .tools").evaluate_all(middle)

@@ -7,7 +7,7 @@ import pytest
 import ray_field as field
 from playwright.sync_api import expect
 
-from demo.conftest import bounds, show
+from demo.conftest import bounds, show, touch
 from povgen.optics import equations
 
 SAYS = "#light-says"
@@ -151,6 +151,14 @@ def test_the_view_is_turned_by_keys_dragging_and_buttons(page):
     assert abs(eye() - turned).max() > 1
     page.get_by_role("button", name="side").click()
     assert page.evaluate("session.camera") == [0, 0]
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    touch(page, *([(x - 10 * k, y), (x + 10 * k, y)] for k in (1, 2, 3)))
+    assert page.evaluate("[session.zoom, session.camera]") == [pytest.approx(3), [0, 0]]
+    page.mouse.move(x, y)
+    page.mouse.wheel(0, -100)
+    page.wait_for_function("session.zoom > 3.1")
+    page.get_by_role("button", name="side").click()
+    assert page.evaluate("session.zoom") == 1
     assert page.evaluate("({ ...state })") == state  # and nothing else has changed
 
 
