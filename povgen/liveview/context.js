@@ -53,10 +53,15 @@ export class Context {
     if (!names.length) return;
     gl.activeTexture(gl.TEXTURE1);
     this.texture(gl.TEXTURE_3D, gl.R16F, [nx * Math.min(names.length, 3), ny, nz * Math.ceil(names.length / 3)], gl.LINEAR, Array(3).fill(gl.CLAMP_TO_EDGE));
-    fields.forEach((field, k) => {
-      const [x, z] = [nx * (k % 3), nz * Math.floor(k / 3)];
-      gl.texSubImage3D(gl.TEXTURE_3D, 0, x, 0, z, nx, ny, nz, gl.RED, gl.FLOAT, field);
-    });
+    gl.activeTexture(gl.TEXTURE0);
+    for (const k of fields.keys()) if (fields[k]) this.fillVolume(k);
+  }
+
+  // Put the distance field of piece number k into its place.
+  fillVolume(k) {
+    const { gl } = this, { fields, grid: [nx, ny, nz] } = this.shapes;
+    gl.activeTexture(gl.TEXTURE1);
+    gl.texSubImage3D(gl.TEXTURE_3D, 0, nx * (k % 3), 0, nz * Math.floor(k / 3), nx, ny, nz, gl.RED, gl.FLOAT, fields[k]);
     gl.activeTexture(gl.TEXTURE0);
   }
 

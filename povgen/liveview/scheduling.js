@@ -19,10 +19,17 @@ export class Schedule {
   budget = 3e4;    // pixels that are drawn at once
   count = 0;       // rays a pixel in the sum
   row = 0;         // of the sum, up to which the next ray has been added
+  drawn = null;    // the program of the picture that is shown
+  lost = false;    // whether the context is lost
 
   // The part of the canvas's pixels a side that the moving picture has.
   get scale() {
     return Math.min(1, Math.max(PACE.LEAST, Math.sqrt(this.budget / (this.canvas.width * this.canvas.height))));
+  }
+
+  // Whether the picture is still one of another kind of scene, because the shaders of this one are being made ready.
+  get behind() {
+    return Boolean(this.context) && !this.lost && (!this.gl || this.drawn !== this.context.program("picture"));
   }
 
   converged() {
@@ -36,6 +43,7 @@ export class Schedule {
     if (width === canvas.width && height === canvas.height) return;
     canvas.width = width;
     canvas.height = height;
+    if (this.gl && !this.gl.isContextLost()) this.context.repaint();  // the size's change has blackened the canvas
     this.again();
   }
 
@@ -67,7 +75,8 @@ export class Schedule {
     // a smaller picture is in the target that the first ray of the picture at rest spares: it can be shown until then
     this.context.show(this.context.addRay("sum", size, 0, { first: Number(whole) }), size, 1);
     if (whole) this.count = 1;  // the first ray of the picture at rest
-    this.finish(size[0] * size[1], PACE.MOVING);
+    const program = this.context.program("picture");
+    this.finish(size[0] * size[1], PACE.MOVING, () => (this.drawn = program));
   }
 
   // Add a ray to each pixel of a strip of the picture at rest. The picture is shown when it is complete.
@@ -88,7 +97,7 @@ export class Schedule {
   }
 
   // Wait until these pixels are drawn. Then go on: without a change, after `pause` ms, with the picture at rest.
-  finish(pixels, pause) {
+  finish(pixels, pause, done = () => {}) {
     const { gl } = this;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), start = performance.now();
     gl.flush();
@@ -101,6 +110,7 @@ export class Schedule {
       }
       gl.deleteSync(fence);
       this.pending = null;
+      done();
       const time = performance.now() - start;
       this.adapt(pixels, time);
       if (this.stale) this.later();

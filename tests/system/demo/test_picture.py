@@ -186,6 +186,25 @@ def test_without_webgl_the_page_says_so(browser, demo_file):
     page.close()
 
 
+def test_another_size_shows_the_picture_until_it_is_drawn_anew(page):
+    """A shader may have to be made first."""
+    picture(page, COARSE)
+    shown = page.evaluate(
+        """() => {
+          view.again = () => {};
+          view.canvas.style.width = "40%";
+          view.resize();
+          const pen = document.createElement("canvas").getContext("2d");
+          pen.drawImage(view.canvas, 0, 0, 1, 1);
+          delete view.again;
+          view.canvas.style.width = "";
+          view.resize();
+          return [...pen.getImageData(0, 0, 1, 1).data];
+        }"""
+    )
+    assert min(shown) > 30
+
+
 def test_a_curtain_shows_two_settings(page):
     """To its left, the picture is that of the ideal sheet; to its right, that without sheets. Keys move it."""
     show(page, sheet="none")
