@@ -28,10 +28,13 @@ export class Context {
   // Make the texture of a picture, in the place of an earlier one. Its colours become linear light before they are interpolated.
   makePicture(part) {
     const { gl } = this, image = this.shapes.images[part];
-    gl.deleteTexture(this.textures[part] ?? null);
     const { unit, wraps } = { sky: { unit: 2, wraps: [gl.REPEAT, gl.CLAMP_TO_EDGE] }, floor: { unit: 3, wraps: [gl.REPEAT, gl.REPEAT] }, cards: { unit: 4, wraps: [gl.CLAMP_TO_EDGE, gl.CLAMP_TO_EDGE] } }[part];
     gl.activeTexture(gl.TEXTURE0 + unit);
-    this.textures[part] = this.texture(gl.TEXTURE_2D, gl.SRGB8_ALPHA8, [image.width, image.height], gl.LINEAR, wraps);
+    const size = [image.width, image.height], old = this.textures[part];
+    if (String(old?.size) !== String(size)) {
+      gl.deleteTexture(old?.texture ?? null);
+      this.textures[part] = { size, texture: this.texture(gl.TEXTURE_2D, gl.SRGB8_ALPHA8, size, gl.LINEAR, wraps) };
+    }
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, image);
     gl.activeTexture(gl.TEXTURE0);
   }

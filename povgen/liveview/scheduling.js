@@ -21,6 +21,8 @@ export class Schedule {
   row = 0;         // of the sum, up to which the next ray has been added
   drawn = null;    // the program of the picture that is shown
   lost = false;    // whether the context is lost
+  stale = false;   // whether the picture that is shown is no longer right
+  pending = null;  // what is being drawn
 
   // The part of the canvas's pixels a side that the moving picture has.
   get scale() {
@@ -30,6 +32,11 @@ export class Schedule {
   // Whether the picture is still one of another kind of scene, because the shaders of this one are being made ready.
   get behind() {
     return Boolean(this.context) && !this.lost && (!this.gl || this.drawn !== this.context.program("picture"));
+  }
+
+  // Whether a picture of the latest change has still to be drawn.
+  get moving() {
+    return Boolean(this.gl) && !this.gl.isContextLost() && (this.stale || this.pending !== null);
   }
 
   converged() {

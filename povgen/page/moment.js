@@ -9,7 +9,7 @@ import { abs, arg, determinant, finite, minus, plus, resolved, scaled, times, tu
 import { clamped, data, pick } from "./data.js";
 import * as equations from "./equations.js";
 import { outlineOf, within } from "./outline.js";
-import { FLOOR, inSeries, isGeneral, state } from "./state.js";
+import { FLOOR, inSeries, isGeneral, session, state } from "./state.js";
 
 // The least z2. `back` is half the depth of the window frame. The eye is just in front of it, or farther away if the frame is
 // deep, so that it sees through.
@@ -27,6 +27,7 @@ export const frameDepth = (scene) => Math.max(depth(scene), depth(compared(scene
 export function sceneValues() {
   const { scene, piece, L, E, sheet2, alpha2, d } = state;
   const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", "pupil", "focus", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
+  if (!session.floor) values.floor = "none";
   if (inSeries()) {
     values.window = [{ alpha: alpha2, z: d, sheet: sheet2 === "same" ? null : sheet2 }];
     values.window[0].z = Math.max(d, depth(values) + 0.011);

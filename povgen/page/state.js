@@ -57,6 +57,7 @@ export const session = {
   measured: false,    // whether a class has written down what it has measured
   curtain: 0.5,       // the part of the picture that is to the left of it
   zoom: 1,            // and its size
+  floor: true,        // whether there is one: the user's own room can do without
   twin: 0,            // where the piece stands a second time: x, tiles; 0: nowhere
   marked: "",         // the quantity that is marked in the drawings
   pinned: "",         // the one that stays marked
