@@ -20,6 +20,7 @@ export class Schedule {
   count = 0;       // rays a pixel in the sum
   row = 0;         // of the sum, up to which the next ray has been added
   drawn = null;    // the program of the picture that is shown
+  inSight = false; // whether the canvas is
   lost = false;    // whether the context is lost
   stale = false;   // whether the picture that is shown is no longer right
   pending = null;  // what is being drawn
@@ -36,7 +37,7 @@ export class Schedule {
 
   // Whether a picture of the latest change has still to be drawn.
   get moving() {
-    return Boolean(this.gl) && !this.gl.isContextLost() && (this.stale || this.pending !== null);
+    return this.inSight && Boolean(this.gl) && !this.gl.isContextLost() && (this.stale || this.pending !== null);
   }
 
   converged() {
@@ -46,6 +47,7 @@ export class Schedule {
   resize() {
     const { canvas } = this;
     const ratio = window.devicePixelRatio || 1;
+    if (!canvas.clientWidth) return;  // it is hidden
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
     if (width === canvas.width && height === canvas.height) return;
     canvas.width = width;
@@ -71,7 +73,7 @@ export class Schedule {
   move() {
     const { canvas, scale } = this;
     this.asked = false;
-    if (this.gl.isContextLost() || this.pending || !this.stale) return;
+    if (this.gl.isContextLost() || this.pending || !this.stale || !this.inSight) return;
     if (!this.context.compiled("picture") || !this.context.compiled("display")) {
       this.later();
       return;
@@ -89,7 +91,7 @@ export class Schedule {
   // Add a ray to each pixel of a strip of the picture at rest. The picture is shown when it is complete.
   refine() {
     const { canvas, count, row } = this;
-    if (this.gl.isContextLost() || count >= PACE.RAYS) return;
+    if (this.gl.isContextLost() || count >= PACE.RAYS || !this.inSight) return;
     const size = [canvas.width, canvas.height];
     const strip = Math.ceil(Math.max(this.budget / size[0], size[1] / PACE.STRIPS));
     const rows = Math.min(strip, size[1] - row);

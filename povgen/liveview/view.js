@@ -57,10 +57,11 @@ export class LiveView extends Schedule {
     this.observers = [size, sight];
   }
 
-  // Hold a context while the canvas is in sight, and none otherwise: a browser has few for all views, Chromium 16.
+  // Hold a context while the canvas is in sight, and none otherwise: a browser has few for all views, Chromium 16. But a canvas that
+  // its own page has hidden comes back soon: another context would have to make the shaders first, which takes seconds.
   hold() {
     if (!this.inSight) {
-      if (!this.gl || this.gl.isContextLost()) return;
+      if (!this.gl || this.gl.isContextLost() || !this.canvas.checkVisibility()) return;
       this.released = true;
       this.loss.loseContext();
     } else if (!this.context) {
@@ -72,7 +73,7 @@ export class LiveView extends Schedule {
       this.canvas.replaceWith(canvas);
       this.attach(canvas);
       this.start();
-    }
+    } else this.again();  // it was hidden
   }
 
   // Change values of the scene. The view is drawn soon after, if they are new.

@@ -58,7 +58,7 @@ async function savePicture() {
 async function drawable() {
   if (!view.inSight) $("stage").scrollIntoView();
   await view.ready;
-  const drawn = (each) => each.gl && !each.lost && each.context.shown;
+  const drawn = (each) => each.gl && !each.lost && !each.stale && each.context.shown;
   while (!drawn(view) || (state.compare !== "off" && otherView() && !drawn(otherView()))) await new Promise(requestAnimationFrame);
 }
 

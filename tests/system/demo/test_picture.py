@@ -223,3 +223,9 @@ def test_a_curtain_shows_two_settings(page):
     assert page.locator("#curtain-names span").all_text_contents() == ["ideal sheet", "no sheet"]
     page.locator("#curtain").press("ArrowLeft")
     assert page.evaluate("session.curtain") == 0.49
+    # hidden and shown again, it need not make its shaders anew
+    page.evaluate("window.held = otherView().context")
+    for compare in ("off", "none"):
+        show(page, compare=compare)
+        page.wait_for_function("(seen) => otherView().inSight === seen", arg=compare != "off")
+        assert page.evaluate("otherView().context === held && !held.gl.isContextLost()")
