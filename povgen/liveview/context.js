@@ -1,5 +1,6 @@
 // A WebGL context of the live view: its programs, its textures, and drawing on them. It is of no use when it is lost.
 
+import { camera } from "./presets.js";
 import { defines, uniforms } from "./values.js";
 
 const SHADERS = JSON.parse(document.getElementById("shaders").textContent);
@@ -168,7 +169,7 @@ export class Context {
   }
 
   // Add ray number `count` to each pixel of a picture, or of some of its rows. Return the sum: a target whose lower left
-  // corner holds it. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
+  // corner holds it. For red and cyan glasses, the rays are the left eye's and the right eye's by turns. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
   // Of the two targets, the first ray is added to that of number `first`.
   addRay(name, size, count, { part = 1, rows = undefined, first = 1 } = {}) {
     const { gl } = this, { canvas } = gl;
@@ -176,8 +177,10 @@ export class Context {
     const [width, height] = name === "sum" ? [canvas.width, canvas.height] : size;
     const [from, to] = [1 - first, first].map((k) => k ^ (count & 1)).map((k) => this.target(name + k, width, height));
     gl.bindTexture(gl.TEXTURE_2D, from.textures[0]);
-    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + count * step) % 1) - 0.5));
-    this.draw("picture", to, size, { size, jitter, sum: 0, first: count === 0, rayNumber: count }, rows);
+    const side = this.scene.eyes ? 2 * (count % 2) - 1 : 0, rayNumber = side ? count >> 1 : count;
+    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + rayNumber * step) % 1) - 0.5));
+    const { eye, right } = camera(this.scene), moved = eye.map((x, k) => x + (side ? side * this.scene.eyes / 2 : 0) * right[k]);
+    this.draw("picture", to, size, { size, jitter, sum: 0, first: count === 0, rayNumber, side, eye: moved }, rows);
     return to;
   }
 

@@ -25,6 +25,11 @@ export class Schedule {
   stale = false;   // whether the picture that is shown is no longer right
   pending = null;  // what is being drawn
 
+  // How many rays a picture has at least: for two eyes, one of each.
+  get turns() {
+    return this.context.scene.eyes ? 2 : 1;
+  }
+
   // The part of the canvas's pixels a side that the moving picture has.
   get scale() {
     return Math.min(1, Math.max(PACE.LEAST, Math.sqrt(this.budget / (this.canvas.width * this.canvas.height))));
@@ -41,7 +46,7 @@ export class Schedule {
   }
 
   converged() {
-    return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= PACE.RAYS;
+    return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= PACE.RAYS * this.turns;
   }
 
   resize() {
@@ -82,16 +87,19 @@ export class Schedule {
     const whole = size[0] === canvas.width && size[1] === canvas.height;
     this.stale = false;
     // a smaller picture is in the target that the first ray of the picture at rest spares: it can be shown until then
-    this.context.show(this.context.addRay("sum", size, 0, { first: Number(whole) }), size, 1);
-    if (whole) this.count = 1;  // the first ray of the picture at rest
+    const { turns } = this, first = Number(whole || turns > 1);
+    let sum;
+    for (let ray = 0; ray < turns; ray++) sum = this.context.addRay("sum", size, ray, { first });
+    this.context.show(sum, size, turns);
+    if (whole) this.count = turns;  // the first rays of the picture at rest
     const program = this.context.program("picture");
-    this.finish(size[0] * size[1], PACE.MOVING, () => (this.drawn = program));
+    this.finish(turns * size[0] * size[1], PACE.MOVING, () => (this.drawn = program));
   }
 
   // Add a ray to each pixel of a strip of the picture at rest. The picture is shown when it is complete.
   refine() {
     const { canvas, count, row } = this;
-    if (this.gl.isContextLost() || count >= PACE.RAYS || !this.inSight) return;
+    if (this.gl.isContextLost() || this.converged() || !this.inSight) return;
     const size = [canvas.width, canvas.height];
     const strip = Math.ceil(Math.max(this.budget / size[0], size[1] / PACE.STRIPS));
     const rows = Math.min(strip, size[1] - row);
@@ -100,7 +108,7 @@ export class Schedule {
     if (this.row === size[1]) {
       this.count++;
       this.row = 0;
-      this.context.show(sum, size, this.count);
+      if (this.count % this.turns === 0) this.context.show(sum, size, this.count);
     }
     this.finish(rows * size[0], 0);
   }

@@ -7,7 +7,7 @@ import { MOST_CHOICES, QUESTIONS, revealed, setOwn } from "./questions.js";
 import { change, CHOICES, inSeries, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
-export const SWITCHES = ["position", "circles", "image", "caption", "stray", "large"];
+export const SWITCHES = ["position", "circles", "image", "caption", "depth", "stray", "large"];
 
 export function toHash() {
   const { scene, sheet, piece, question } = state;

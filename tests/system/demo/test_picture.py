@@ -186,6 +186,18 @@ def test_without_webgl_the_page_says_so(browser, demo_file):
     page.close()
 
 
+def test_red_and_cyan_glasses_show_depth(page):
+    """Red is what the left eye sees, green and blue what the right eye sees."""
+    show(page, alpha=180, E=[-0.15, 0])
+    left = picture(page, COARSE)
+    show(page, E=[0.15, 0])
+    right = picture(page, COARSE)
+    show(page, E=[0, 0], depth=True)
+    both = picture(page, COARSE)
+    assert np.abs(both[..., 0] - left[..., 0]).mean() < 3 and np.abs(both[..., 1:] - right[..., 1:]).mean() < 3
+    assert np.abs(left - right).mean() > 6
+
+
 def test_another_size_shows_the_picture_until_it_is_drawn_anew(page):
     """A shader may have to be made first."""
     picture(page, COARSE)
