@@ -104,6 +104,12 @@ $(PANELS): docs/gallery/%.png: docs/panels.py $(SOURCES) | $(VENV)/charts-ready
 	$(VENV)/bin/python docs/panels.py $* -o $@
 docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(VENV)/gl-ready gl-deps
 	$(VENV)/bin/python docs/first_picture.py -o $@
+# what the page shows until it can draw: the first picture of its guided start (INTRO in povgen/page/tour.js)
+povgen/page/poster.webp: | $(READY)
+	$(POVGEN) frame chess --quality high --sheet ideal --alpha 90 --piece knight --piece knight --x 0 --x 3.1 --z1 3 --z1 3 \
+	  --size 720x540 -o $(@:webp=png)
+	$(VENV)/bin/python -c "from PIL import Image; Image.open('$(@:webp=png)').convert('RGB').save('$@', quality=60, method=6)"
+	rm $(@:webp=png)
 docs/gallery/page.png: docs/page_picture.py $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@
 

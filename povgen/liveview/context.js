@@ -1,5 +1,6 @@
 // A WebGL context of the live view: its programs, its textures, and drawing on them. It is of no use when it is lost.
 
+import { camera } from "./presets.js";
 import { defines, uniforms } from "./values.js";
 
 const SHADERS = JSON.parse(document.getElementById("shaders").textContent);
@@ -28,10 +29,13 @@ export class Context {
   // Make the texture of a picture, in the place of an earlier one. Its colours become linear light before they are interpolated.
   makePicture(part) {
     const { gl } = this, image = this.shapes.images[part];
-    gl.deleteTexture(this.textures[part] ?? null);
     const { unit, wraps } = { sky: { unit: 2, wraps: [gl.REPEAT, gl.CLAMP_TO_EDGE] }, floor: { unit: 3, wraps: [gl.REPEAT, gl.REPEAT] }, cards: { unit: 4, wraps: [gl.CLAMP_TO_EDGE, gl.CLAMP_TO_EDGE] } }[part];
     gl.activeTexture(gl.TEXTURE0 + unit);
-    this.textures[part] = this.texture(gl.TEXTURE_2D, gl.SRGB8_ALPHA8, [image.width, image.height], gl.LINEAR, wraps);
+    const size = [image.width, image.height], old = this.textures[part];
+    if (String(old?.size) !== String(size)) {
+      gl.deleteTexture(old?.texture ?? null);
+      this.textures[part] = { size, texture: this.texture(gl.TEXTURE_2D, gl.SRGB8_ALPHA8, size, gl.LINEAR, wraps) };
+    }
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, image);
     gl.activeTexture(gl.TEXTURE0);
   }
@@ -53,10 +57,15 @@ export class Context {
     if (!names.length) return;
     gl.activeTexture(gl.TEXTURE1);
     this.texture(gl.TEXTURE_3D, gl.R16F, [nx * Math.min(names.length, 3), ny, nz * Math.ceil(names.length / 3)], gl.LINEAR, Array(3).fill(gl.CLAMP_TO_EDGE));
-    fields.forEach((field, k) => {
-      const [x, z] = [nx * (k % 3), nz * Math.floor(k / 3)];
-      gl.texSubImage3D(gl.TEXTURE_3D, 0, x, 0, z, nx, ny, nz, gl.RED, gl.FLOAT, field);
-    });
+    gl.activeTexture(gl.TEXTURE0);
+    for (const k of fields.keys()) if (fields[k]) this.fillVolume(k);
+  }
+
+  // Put the distance field of piece number k into its place.
+  fillVolume(k) {
+    const { gl } = this, { fields, grid: [nx, ny, nz] } = this.shapes;
+    gl.activeTexture(gl.TEXTURE1);
+    gl.texSubImage3D(gl.TEXTURE_3D, 0, nx * (k % 3), 0, nz * Math.floor(k / 3), nx, ny, nz, gl.RED, gl.FLOAT, fields[k]);
     gl.activeTexture(gl.TEXTURE0);
   }
 
@@ -160,7 +169,7 @@ export class Context {
   }
 
   // Add ray number `count` to each pixel of a picture, or of some of its rows. Return the sum: a target whose lower left
-  // corner holds it. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
+  // corner holds it. For red and cyan glasses, the rays are the left eye's and the right eye's by turns. The rays are spread evenly over this part of the pixel's width and height; the first is in the middle.
   // Of the two targets, the first ray is added to that of number `first`.
   addRay(name, size, count, { part = 1, rows = undefined, first = 1 } = {}) {
     const { gl } = this, { canvas } = gl;
@@ -168,8 +177,10 @@ export class Context {
     const [width, height] = name === "sum" ? [canvas.width, canvas.height] : size;
     const [from, to] = [1 - first, first].map((k) => k ^ (count & 1)).map((k) => this.target(name + k, width, height));
     gl.bindTexture(gl.TEXTURE_2D, from.textures[0]);
-    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + count * step) % 1) - 0.5));
-    this.draw("picture", to, size, { size, jitter, sum: 0, first: count === 0, rayNumber: count }, rows);
+    const side = this.scene.eyes ? 2 * (count % 2) - 1 : 0, rayNumber = side ? count >> 1 : count;
+    const jitter = [0.7548776662466927, 0.5698402909980532].map((step) => part * (((0.5 + rayNumber * step) % 1) - 0.5));
+    const { eye, right } = camera(this.scene), moved = eye.map((x, k) => x + (side ? side * this.scene.eyes / 2 : 0) * right[k]);
+    this.draw("picture", to, size, { size, jitter, sum: 0, first: count === 0, rayNumber, side, eye: moved }, rows);
     return to;
   }
 

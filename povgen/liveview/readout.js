@@ -38,7 +38,7 @@ export function still({ context, canvas }, width, height) {
   const { gl } = context, start = performance.now(), size = [width, height], before = [canvas.width, canvas.height, context.shown];
   const rays = context.scene.pupil ? STILL.PUPIL : STILL.RAYS;
   let sum, count = 0;
-  while (count < rays && (count === 0 || performance.now() - start < STILL.MOST)) {
+  while (count < rays && (count === 0 || (context.scene.eyes && count % 2) || performance.now() - start < STILL.MOST)) {
     sum = context.addRay("still", size, count++);
     numbers(gl, 1, 1);
   }

@@ -19,23 +19,45 @@ export class Schedule {
   budget = 3e4;    // pixels that are drawn at once
   count = 0;       // rays a pixel in the sum
   row = 0;         // of the sum, up to which the next ray has been added
+  drawn = null;    // the program of the picture that is shown
+  inSight = false; // whether the canvas is
+  lost = false;    // whether the context is lost
+  stale = false;   // whether the picture that is shown is no longer right
+  pending = null;  // what is being drawn
+
+  // How many rays a picture has at least: for two eyes, one of each.
+  get turns() {
+    return this.context.scene.eyes ? 2 : 1;
+  }
 
   // The part of the canvas's pixels a side that the moving picture has.
   get scale() {
     return Math.min(1, Math.max(PACE.LEAST, Math.sqrt(this.budget / (this.canvas.width * this.canvas.height))));
   }
 
+  // Whether the picture is still one of another kind of scene, because the shaders of this one are being made ready.
+  get behind() {
+    return Boolean(this.context) && !this.lost && (!this.gl || this.drawn !== this.context.program("picture"));
+  }
+
+  // Whether a picture of the latest change has still to be drawn.
+  get moving() {
+    return this.inSight && Boolean(this.gl) && !this.gl.isContextLost() && (this.stale || this.pending !== null);
+  }
+
   converged() {
-    return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= PACE.RAYS;
+    return Boolean(this.gl) && !this.gl.isContextLost() && this.count >= PACE.RAYS * this.turns;
   }
 
   resize() {
     const { canvas } = this;
     const ratio = window.devicePixelRatio || 1;
+    if (!canvas.clientWidth) return;  // it is hidden
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * ratio)));
     if (width === canvas.width && height === canvas.height) return;
     canvas.width = width;
     canvas.height = height;
+    if (this.gl && !this.gl.isContextLost()) this.context.repaint();  // the size's change has blackened the canvas
     this.again();
   }
 
@@ -56,7 +78,7 @@ export class Schedule {
   move() {
     const { canvas, scale } = this;
     this.asked = false;
-    if (this.gl.isContextLost() || this.pending || !this.stale) return;
+    if (this.gl.isContextLost() || this.pending || !this.stale || !this.inSight) return;
     if (!this.context.compiled("picture") || !this.context.compiled("display")) {
       this.later();
       return;
@@ -65,15 +87,19 @@ export class Schedule {
     const whole = size[0] === canvas.width && size[1] === canvas.height;
     this.stale = false;
     // a smaller picture is in the target that the first ray of the picture at rest spares: it can be shown until then
-    this.context.show(this.context.addRay("sum", size, 0, { first: Number(whole) }), size, 1);
-    if (whole) this.count = 1;  // the first ray of the picture at rest
-    this.finish(size[0] * size[1], PACE.MOVING);
+    const { turns } = this, first = Number(whole || turns > 1);
+    let sum;
+    for (let ray = 0; ray < turns; ray++) sum = this.context.addRay("sum", size, ray, { first });
+    this.context.show(sum, size, turns);
+    if (whole) this.count = turns;  // the first rays of the picture at rest
+    const program = this.context.program("picture");
+    this.finish(turns * size[0] * size[1], PACE.MOVING, () => (this.drawn = program));
   }
 
   // Add a ray to each pixel of a strip of the picture at rest. The picture is shown when it is complete.
   refine() {
     const { canvas, count, row } = this;
-    if (this.gl.isContextLost() || count >= PACE.RAYS) return;
+    if (this.gl.isContextLost() || this.converged() || !this.inSight) return;
     const size = [canvas.width, canvas.height];
     const strip = Math.ceil(Math.max(this.budget / size[0], size[1] / PACE.STRIPS));
     const rows = Math.min(strip, size[1] - row);
@@ -82,13 +108,13 @@ export class Schedule {
     if (this.row === size[1]) {
       this.count++;
       this.row = 0;
-      this.context.show(sum, size, this.count);
+      if (this.count % this.turns === 0) this.context.show(sum, size, this.count);
     }
     this.finish(rows * size[0], 0);
   }
 
   // Wait until these pixels are drawn. Then go on: without a change, after `pause` ms, with the picture at rest.
-  finish(pixels, pause) {
+  finish(pixels, pause, done = () => {}) {
     const { gl } = this;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), start = performance.now();
     gl.flush();
@@ -101,6 +127,7 @@ export class Schedule {
       }
       gl.deleteSync(fence);
       this.pending = null;
+      done();
       const time = performance.now() - start;
       this.adapt(pixels, time);
       if (this.stale) this.later();

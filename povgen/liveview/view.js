@@ -7,6 +7,7 @@
 import { Context } from "./context.js";
 import { Schedule } from "./scheduling.js";
 import { field } from "./pieceShape.js";
+import { objects } from "./presets.js";
 
 export class LiveView extends Schedule {
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
@@ -20,7 +21,8 @@ export class LiveView extends Schedule {
     this.failed = failed;
     this.attach(canvas);
     this.shapes = named(volumes);
-    this.loading = load(this.shapes, volumes, scene.pictures);
+    this.loadingFirst = this.loadShown(volumes);
+    this.loading = this.loadingFirst.then(() => this.loadRest(volumes));  // all pieces
     this.ready = /** @type {Promise<void>} */ (new Promise((done) => (this.settled = done)));
     this.loading.catch((error) => {
       this.failed("browser", error.message);
@@ -55,10 +57,11 @@ export class LiveView extends Schedule {
     this.observers = [size, sight];
   }
 
-  // Hold a context while the canvas is in sight, and none otherwise: a browser has few for all views, Chromium 16.
+  // Hold a context while the canvas is in sight, and none otherwise: a browser has few for all views, Chromium 16. But a canvas that
+  // its own page has hidden comes back soon: another context would have to make the shaders first, which takes seconds.
   hold() {
     if (!this.inSight) {
-      if (!this.gl || this.gl.isContextLost()) return;
+      if (!this.gl || this.gl.isContextLost() || !this.canvas.checkVisibility()) return;
       this.released = true;
       this.loss.loseContext();
     } else if (!this.context) {
@@ -70,7 +73,7 @@ export class LiveView extends Schedule {
       this.canvas.replaceWith(canvas);
       this.attach(canvas);
       this.start();
-    }
+    } else this.again();  // it was hidden
   }
 
   // Change values of the scene. The view is drawn soon after, if they are new.
@@ -108,7 +111,7 @@ export class LiveView extends Schedule {
     const context = (this.context = new Context(gl, float ? gl.RGBA32F : gl.RGBA16F, this));
     this.resize();
     this.warmUp(context);
-    this.loading.then(() => {
+    this.loadingFirst.then(() => {
       if (this.context !== context || gl.isContextLost()) return;
       context.fill();
       this.gl = gl;
@@ -121,6 +124,34 @@ export class LiveView extends Schedule {
     }, () => {});
   }
 
+  // The numbers of the pieces that the scene shows.
+  get pieces() {
+    const pieces = objects(this.scene, this.shapes.names).filter(({ kind }) => kind === "piece");
+    return [...new Set(pieces.map(({ numbers }) => numbers[0]))];
+  }
+
+  // Read the distance fields of the pieces that the scene shows, and its pictures.
+  async loadShown({ grid, pieces }) {
+    await null;  // a page changes the scene when it begins
+    const { pictures } = this.scene, { names, fields, images } = this.shapes;
+    const reading = this.pieces.map(async (k) => (fields[k] = await field(pieces[names[k]], grid)));
+    const decoding = Object.entries(pictures).map(([part, { data }]) => (images[part] = Object.assign(new Image(), { src: data })).decode());
+    await Promise.all([...reading, ...decoding]);
+  }
+
+  // Read the distance fields of the other pieces, one after the other: the browser draws in between.
+  async loadRest({ grid, pieces }) {
+    const { names, fields } = this.shapes;
+    for (const [k, name] of names.entries()) {
+      if (fields[k]) continue;
+      await new Promise((done) => setTimeout(done));
+      fields[k] = await field(pieces[name], grid);
+      if (this.gl && !this.gl.isContextLost()) this.context.fillVolume(k);
+      if (this.pieces.includes(k)) this.again();
+    }
+    return this.shapes;
+  }
+
   // Draw a pixel as soon as the shaders are compiled, which makes them ready, while the pieces are being read.
   warmUp(context) {
     if (this.gl || this.context !== context || context.gl.isContextLost()) return;
@@ -131,18 +162,8 @@ export class LiveView extends Schedule {
 
 const same = (a, b) => a === b || (typeof a === "object" && JSON.stringify(a) === JSON.stringify(b));
 
-// The pieces' names, and their places on a grid. `load` adds the rest.
+// The pieces' names, and their places on a grid. The distance fields and the pictures are read later.
 function named({ grid, pieces }) {
   const names = Object.keys(pieces);
   return { names, grid, places: names.map((name) => pieces[name].place), fields: [], images: {} };
-}
-
-// Read the pieces' distance fields: the numbers on the grid of each. And decode the pictures.
-async function load(shapes, { grid, pieces }, pictures) {
-  shapes.fields = await Promise.all(shapes.names.map((name) => field(pieces[name], grid)));
-  await Promise.all(Object.entries(pictures).map(async ([part, { data }]) => {
-    shapes.images[part] = Object.assign(new Image(), { src: data });
-    await shapes.images[part].decode();
-  }));
-  return shapes;
 }

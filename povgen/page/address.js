@@ -8,7 +8,7 @@ import { scrambled, unscrambled } from "./scramble.js";
 import { change, CHOICES, inSeries, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
-export const SWITCHES = ["position", "circles", "image", "caption", "stray", "large"];
+export const SWITCHES = ["position", "circles", "image", "caption", "depth", "stray", "large"];
 
 // The settings, without the level, which is whose page it is.
 export function settings() {

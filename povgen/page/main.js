@@ -13,8 +13,8 @@ import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
 import { moment } from "./moment.js";
 import { drawOverlay, stage } from "./overlay.js";
-import { drawCompare, view, writeFailure } from "./picture.js";
-import { player, povray, reducedMotion } from "./player.js";
+import { drawCompare, drawView, view, writeFailure } from "./picture.js";
+import { player, povray } from "./player.js";
 import "./room.js";
 import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
@@ -37,7 +37,7 @@ function rewrite() {
 function drawPage() {
   if (written !== spoken.language) rewrite();
   const now = moment();
-  view.set(now.scene);
+  drawView(now);
   drawTabs();
   drawQuestion();
   showInputs(now);
@@ -128,9 +128,8 @@ document.fonts?.ready.then(refresh);
 view.ready.then(() => {
   $("hint").textContent = say($("hint").dataset.say = "page.hint");
   refresh();
-  const isFrame = document.body.classList.contains("embed");
-  const untouched = !location.hash && toHash() === opened && !session.measuring;
-  if (view.gl && untouched && !reducedMotion.matches && !isFrame) tour.start();
+  if (!view.gl) tour.leave();
 });
+if (document.body.classList.contains("begins")) tour.start();
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => view.gl && ($("message").textContent = benchText(view)));

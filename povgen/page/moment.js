@@ -9,7 +9,7 @@ import { abs, arg, determinant, finite, minus, plus, resolved, scaled, times, tu
 import { clamped, data, pick } from "./data.js";
 import * as equations from "./equations.js";
 import { outlineOf, within } from "./outline.js";
-import { FLOOR, inSeries, isGeneral, state } from "./state.js";
+import { FLOOR, inSeries, isGeneral, session, state } from "./state.js";
 
 // The least z2. `back` is half the depth of the window frame. The eye is just in front of it, or farther away if the frame is
 // deep, so that it sees through.
@@ -23,10 +23,15 @@ export const otherScene = ({ scene, objects, d }) => ({ ...compared(scene), z1: 
 // The depth of the window's frame, on the side of the curtain where it is deeper.
 export const frameDepth = (scene) => Math.max(depth(scene), depth(compared(scene)));
 
+// The distance of two eyes, tiles, if a tile is some 20 cm: with a larger one, glasses show the mountains twice.
+const EYES = 0.3;
+
 // The values of povgen's scene, for the live view. z1 and z2 are made large enough to keep object and eye out of the frame.
 export function sceneValues() {
   const { scene, piece, L, E, sheet2, alpha2, d } = state;
   const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", "pupil", "focus", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
+  if (!session.floor) values.floor = "none";
+  if (state.depth) values.eyes = EYES;
   if (inSeries()) {
     values.window = [{ alpha: alpha2, z: d, sheet: sheet2 === "same" ? null : sheet2 }];
     values.window[0].z = Math.max(d, depth(values) + 0.011);

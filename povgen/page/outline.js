@@ -3,15 +3,15 @@
 const outlines = {};
 let shapes = null;
 
-// Take the outlines from distance fields: `LiveView.loading`.
-export function outlinesOf(read) {
-  shapes = read;
+// Take the outlines from distance fields: `LiveView.shapes`.
+export function outlinesOf(known) {
+  shapes = known;
 }
 
 // Closed lines of points, tiles from the foot's centre: x to the right, y up. [] until the field has been read.
 export function outlineOf(name) {
-  const k = shapes?.names.indexOf(name) ?? -1;
-  if (k < 0) return [];
+  const k = shapes?.names.indexOf(name);
+  if (!shapes?.fields[k]) return [];
   return (outlines[name] ??= contours(silhouette(shapes.fields[k], shapes.grid), shapes.places[k]));
 }
 

@@ -4,6 +4,7 @@ The page's text and scripts are in povgen/page/. It needs no network. POV-Ray's 
 """
 
 import os
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -25,7 +26,7 @@ from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
 from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, Chess, Spheres, input_files
 from povgen.scene.scenes import pieces as pieces_of
-from povgen.scene.sdl import to_html
+from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
 from povgen.sheets import OTHER, PARAMETERS, SHEETS, USED_BY
@@ -88,7 +89,8 @@ def demo(
     presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
     laws = to_live()
     made = data(shown, shapes, presets, first)
-    text = to_html("page/index", made, script("page/main.js", laws=laws), laws, fonts.encoded())
+    poster = "" if sky or str(floor) != "tiles" else b64encode((PACKAGE / "page/poster.webp").read_bytes()).decode()
+    text = to_html("page/index", made, script("page/main.js", laws=laws), laws, fonts.encoded(), poster)
     save(text.encode(), page)
     return page
 

@@ -30,7 +30,18 @@ export function writeFailure() {
 }
 
 export const view = new LiveView($("view"), { ...sceneValues(), pictures: data.scenes.chess.pictures }, data.volumes, failed);
-view.loading.then(outlinesOf, () => {});
+outlinesOf(view.shapes);
+view.loading.then(refresh, () => {});
+
+// The poster shows what the page opens with, until it is drawn.
+const unveil = () => (view.behind ? requestAnimationFrame(unveil) : $("poster")?.remove());
+view.ready.then(unveil);
+
+// Draw what the page shows. The guided start opens with the piece a second time, beside the window.
+export function drawView({ scene }) {
+  const { piece, x, z1 } = scene;
+  view.set(session.twin ? { ...scene, piece: [piece, piece], x: [x, session.twin], z1: [z1, z1] } : scene);
+}
 
 // Save the picture with its overlay and its numbers, at least 1920 pixels wide.
 async function savePicture() {
@@ -47,7 +58,7 @@ async function savePicture() {
 async function drawable() {
   if (!view.inSight) $("stage").scrollIntoView();
   await view.ready;
-  const drawn = (each) => each.gl && !each.lost && each.context.shown;
+  const drawn = (each) => each.gl && !each.lost && !each.stale && each.context.shown;
   while (!drawn(view) || (state.compare !== "off" && otherView() && !drawn(otherView()))) await new Promise(requestAnimationFrame);
 }
 

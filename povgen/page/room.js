@@ -1,32 +1,43 @@
 // The user's own room in the place of the mountains: a photo, or the camera's picture. Nothing leaves the page.
 
-import { $, element } from "./data.js";
+import { radians } from "../liveview/geometry.js";
+import { $, element, on } from "./data.js";
 import { say } from "./language.js";
 import { setOtherSky, view } from "./picture.js";
+import { session } from "./state.js";
 
-const WIDTH = 2048;    // pixels of the picture of all directions, which is half as high
-const FIELD = 100;     // degrees: the width of a plain photo, as the room shows it
-const STEP = 100;      // ms between two pictures of the camera
+// The width in pixels of the picture of all directions, which is half as high: of a photo, while it is being moved, and the least.
+const WIDTH = { PHOTO: 4096, MOVED: 1024, LEAST: 512 };
+const SLOW = 200;     // ms: if the camera's picture takes longer, the next one has half the width
+const AROUND = 64;    // pixels of what is around a photo
+const PLACE = ["x", "y", "size", "turn"];  // of a photo: degrees; the size is that of its shorter side
+let photo = null;
 let stream = null;
 
-// Draw a picture on one of all directions. What is plain is in front, behind the window; the rest repeats its border, softly.
-function around(source, width, height, whole) {
-  const canvas = element("canvas", { width: WIDTH, height: WIDTH / 2 }), pen = canvas.getContext("2d");
-  if (whole) {
-    pen.drawImage(source, 0, 0, WIDTH, WIDTH / 2);
-    return canvas;
+// What is around a photo: mirrored copies of it, so that no border is seen, of few pixels, so that they are blurred.
+function surroundings(source) {
+  const canvas = element("canvas", { width: AROUND, height: AROUND / 2 }), pen = canvas.getContext("2d"), wide = AROUND / 4;
+  for (let n = -2; n <= 2; n++) {
+    pen.setTransform(n % 2 ? -1 : 1, 0, 0, 1, AROUND / 2 + (n + (n % 2 ? 0.5 : -0.5)) * wide, 0);
+    pen.drawImage(source, 0, 0, wide, AROUND / 2);
   }
-  const wide = (WIDTH * FIELD) / 360, high = (wide * height) / width;
-  pen.filter = "blur(24px)";
-  for (let x = -1; x < 360 / FIELD; x++) {  // mirrored copies all around, so that no border is seen
-    pen.save();
-    pen.translate(WIDTH / 2 + (x - 0.5) * wide + (x % 2 ? wide : 0), 0);
-    pen.scale(x % 2 ? -1 : 1, 1);
-    pen.drawImage(source, 0, 0, wide, WIDTH / 2);
-    pen.restore();
-  }
-  pen.filter = "none";
-  pen.drawImage(source, (WIDTH - wide) / 2, (WIDTH / 2 - high) / 2, wide, high);
+  return canvas;
+}
+
+// Draw a picture on one of all directions, behind the window, as the user has placed it.
+function around(source, [width, height], most) {
+  const wide = Math.min(most, view.gl?.getParameter(view.gl.MAX_TEXTURE_SIZE) ?? most), degree = wide / 360;
+  const canvas = element("canvas", { width: wide, height: wide / 2 }), pen = canvas.getContext("2d");
+  const [x, y, size, turn] = PLACE.map((name) => Number($(`room-${name}`).value));
+  const whole = $("all-around").checked;
+  const [far, top, high] = whole ? [source, 0, wide / 2] : [surroundings(source), -wide / 4 - y * degree, wide];
+  pen.imageSmoothingQuality = "high";
+  for (const copy of [-1, 0, 1]) pen.drawImage(far, copy * wide + x * degree, top, wide, high);
+  if (whole) return canvas;
+  const scale = (size * degree) / Math.min(width, height);
+  pen.translate(wide / 2 + x * degree, wide / 4 - y * degree);
+  pen.rotate(radians(turn));
+  pen.drawImage(source, (-scale * width) / 2, (-scale * height) / 2, scale * width, scale * height);
   return canvas;
 }
 
@@ -35,10 +46,25 @@ function show(picture) {
   setOtherSky(picture);
 }
 
+const showPhoto = (most = WIDTH.PHOTO) => photo && show(around(photo, [photo.width, photo.height], most));
+
+function drawTools() {
+  $("room-place").hidden = !photo && !stream;
+  for (const name of PLACE.slice(1)) $(`room-${name}`).disabled = $("all-around").checked;
+}
+
+// The camera's last picture stays, as a photo.
 function stopCamera() {
+  const video = $("camera-video"), { videoWidth: width, videoHeight: height } = video;
+  if (stream && width) {
+    photo = element("canvas", { width, height });
+    photo.getContext("2d").drawImage(video, 0, 0);
+    showPhoto();
+  }
   stream?.getTracks().forEach((track) => track.stop());
   stream = null;
   $("camera").setAttribute("aria-pressed", false);
+  drawTools();
 }
 
 function noCamera() {
@@ -46,23 +72,27 @@ function noCamera() {
   $("room-message").textContent = say("share.no_camera");
 }
 
-let photo = null;
-const showPhoto = () => photo && show(around(photo, photo.width, photo.height, $("all-around").checked));
-
 $("photo").addEventListener("change", async () => {
   const [file] = $("photo").files;
   if (!file) return;
   stopCamera();
   try {
-    photo = await createImageBitmap(file);
+    photo = await createImageBitmap(file, { imageOrientation: "from-image" });
     $("all-around").checked = photo.width === 2 * photo.height;
     $("room-message").textContent = "";
+    drawTools();
     showPhoto();
   } catch {
     $("room-message").textContent = say("share.no_photo");
   }
 });
-$("all-around").addEventListener("change", showPhoto);
+$("all-around").addEventListener("change", () => {
+  drawTools();
+  showPhoto();
+});
+$("room-place").addEventListener("input", () => showPhoto(WIDTH.MOVED));
+$("room-place").addEventListener("change", () => showPhoto());
+on("room-floor", "change", () => (session.floor = $("room-floor").checked));
 
 let asking = false;  // for the camera: a second press would start a camera that nothing stops
 $("camera").addEventListener("click", async () => {
@@ -71,7 +101,7 @@ $("camera").addEventListener("click", async () => {
   const video = $("camera-video");
   asking = true;
   try {
-    stream = await navigator.mediaDevices.getUserMedia({ video: { facingMode: "environment" } });
+    stream = await navigator.mediaDevices.getUserMedia({ video: { facingMode: "environment", width: { ideal: 1280 } } });
   } catch {
     return noCamera();
   } finally {
@@ -82,6 +112,7 @@ $("camera").addEventListener("click", async () => {
   $("room-message").textContent = "";
   $("camera").setAttribute("aria-pressed", true);
   photo = null;
+  drawTools();
   video.srcObject = stream;
   try {
     await video.play();
@@ -89,17 +120,28 @@ $("camera").addEventListener("click", async () => {
     if (stream === own) noCamera();
     return;
   }
-  const next = () => {
-    if (stream !== own) return;
-    show(around(video, video.videoWidth, video.videoHeight, $("all-around").checked));
-    setTimeout(next, STEP);
-  };
-  next();
+  follow(video, own);
 });
 
-$("no-room").addEventListener("click", () => {
+// Show the camera's pictures, each when the one before has been drawn.
+function follow(video, own, wide = WIDTH.PHOTO / 2) {
+  const start = performance.now();
+  show(around(video, [video.videoWidth, video.videoHeight], wide));
+  const prepared = !view.behind;
+  const wait = () => {
+    if (stream !== own) return;
+    if (view.moving) requestAnimationFrame(wait);
+    else follow(video, own, prepared && performance.now() - start > SLOW ? Math.max(WIDTH.LEAST, wide / 2) : wide);
+  };
+  requestAnimationFrame(wait);
+}
+
+on("no-room", "click", () => {
   stopCamera();
   photo = null;
   $("photo").value = "";
+  for (const name of PLACE) $(`room-${name}`).value = $(`room-${name}`).defaultValue;
+  session.floor = $("room-floor").checked = true;
+  drawTools();
   show(null);
 });

@@ -15,6 +15,7 @@ export const OPENING = {
   pupil: 0, focus: "best",                                       // the eye: as in povgen/scene/scene.py
   windows: 1, sheet2: "same", alpha2: 120, d: 2,                 // beyond the paper: BEYOND
   position: false, circles: false, image: false, caption: false,  // what is drawn on the picture
+  depth: false,                                                  // whether the picture is for red and cyan glasses
   compare: "off",                                                // the sheets to the right of the curtain
   level: "simple",                                               // "expert" shows all controls
   light: "ray", stray: true, large: false,                        // the view of the light: which rays; in place of the picture
@@ -57,6 +58,8 @@ export const session = {
   answered: false,    // whether the sentence is shown while a class measures
   curtain: 0.5,       // the part of the picture that is to the left of it
   zoom: 1,            // and its size
+  floor: true,        // whether there is one: the user's own room can do without
+  twin: 0,            // where the piece stands a second time: x, tiles; 0: nowhere
   marked: "",         // the quantity that is marked in the drawings
   pinned: "",         // the one that stays marked
 };

@@ -4,12 +4,15 @@
 import { radians } from "../liveview/geometry.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
-import { $, on, refresh } from "./data.js";
+import { $, on, pick, refresh } from "./data.js";
 import { entry, say } from "./language.js";
+import { view } from "./picture.js";
 import { player, reducedMotion } from "./player.js";
 import { change, OPENING, session, START, state } from "./state.js";
 
 const KNIGHT = { ...OPENING, ...START.chess, prisms: 100, sheet: "ideal" };
+// The page opens with it: the effect, beside what there is. The poster is its first picture (page.py).
+const INTRO = { shows: { z1: 3 }, moves: { alpha: [90, 0] }, twin: 3.1, seconds: 8 };
 // What each step shows, what moves in it, from one value to another, the place of the window through which the knight stays to be seen,
 // and its length in seconds.
 const STEPS = [
@@ -30,19 +33,26 @@ export const tour = {
   asked: false,  // whether someone has started it
   passed: 0,     // seconds of this step
   before: null,  // what the page showed
+  intro: false,  // whether this is not yet the first step
+
+  get now() {
+    return this.intro ? INTRO : STEPS[this.step];
+  },
 
   start(asked = false) {
     player.pause();
-    this.before ??= { ...state };
+    this.before ??= { state: { ...state }, measuring: session.measuring };
+    session.measuring = false;
     rewriteQuestion();  // a prediction that has been made comes back with its question
     Object.assign(this, { asked, paused: reducedMotion.matches });
-    this.go(0);
+    this.go(0, !asked);
   },
 
-  go(n) {
+  go(n, intro = false) {
     if (n >= STEPS.length) return this.leave();
     const running = this.step >= 0;
-    [this.step, this.passed] = [n, this.paused ? STEPS[n].seconds : 0];  // who goes from step to step sees where each one ends
+    Object.assign(this, { step: n, intro });
+    this.passed = this.paused ? this.now.seconds : 0;  // who goes from step to step sees where each one ends
     [session.camera, session.zoom] = [[0.55, 0.3], 1];
     this.show();
     if (!running) this.run(performance.now());
@@ -50,42 +60,52 @@ export const tour = {
 
   // Show the present step: what moves is at rest in the first and the last fifth.
   show() {
-    const { shows, moves = {}, through, seconds } = STEPS[this.step];
+    const { shows, moves = {}, through, twin = 0, seconds } = this.now;
     const part = Math.min(1, Math.max(0, (this.passed / seconds - 0.2) / 0.6));
     const between = (name, from, to) => (name === "alpha" ? from + (to - from) * part : from * (to / from) ** part);
     const moved = Object.entries(moves).map(([name, [from, to]]) => [name, between(name, from, to)]);
     const values = { ...KNIGHT, level: state.level, ...shows, ...Object.fromEntries(moved) };
     if (through) values.L = plus(through, scaled(values.z1 / values.z2, times(turn(-radians(values.alpha)), minus(through, values.E))));
     change(values);
+    session.twin = twin;
     refresh();
+  },
+
+  // Go to the next step.
+  next() {
+    this.go(this.intro ? 0 : this.step + 1);
   },
 
   run(last) {
     requestAnimationFrame((time) => {
       if (this.step < 0) return;
       if (!this.paused) {
-        this.passed += Math.min(0.5, Math.max(0, (time - last) / 1000));
-        if (this.passed < STEPS[this.step].seconds) this.show();
-        else if (this.step < STEPS.length - 1) this.go(this.step + 1);
+        if (!view.behind) this.passed += Math.min(0.5, Math.max(0, (time - last) / 1000));
+        if (this.passed < this.now.seconds) this.show();
+        else if (this.step < STEPS.length - 1) this.next();
       }
       this.run(time);
     });
   },
 
   isStill() {
-    return this.step >= 0 && (this.paused || this.passed > 0.8 * STEPS[this.step].seconds);
+    return this.step >= 0 && (this.paused || this.passed > 0.8 * this.now.seconds);
   },
 
   // What a screen reader speaks of this step.
-  says: () => [say("tour.begun"), entry("tour.steps")[tour.step]],
+  says: () => [say("tour.begun"), tour.text()],
+  text: () => (tour.intro ? say("tour.intro") : entry("tour.steps")[tour.step]),
 
   seconds: () => STEPS.reduce((sum, { seconds }) => sum + seconds, 0),
 
-  // Go back to what the page showed before; or stay, where someone has taken over.
-  leave(stay = false) {
+  // Go back to what the page showed before; or stay, where someone has taken over. The view of the light is `kept` too, if it is this
+  // that they use.
+  leave(stay = false, kept = false) {
     if (this.step < 0) return;
     this.step = -1;
-    if (!stay) change(this.before);
+    session.twin = 0;
+    if (!stay) session.measuring = this.before.measuring;
+    if (!kept) change(stay ? pick(this.before.state, "light", "stray", "large") : this.before.state);
     this.before = null;
     $("spoken").textContent = say("tour.left");
     const focused = $("tour").contains(document.activeElement);
@@ -101,8 +121,8 @@ export const tour = {
     $("sentence").hidden = on;
     $("tour-start").hidden = on;
     if (!on) return;
-    $("tour-text").textContent = entry("tour.steps")[this.step];
-    $("tour-count").textContent = say("tour.count", { n: this.step + 1, count: STEPS.length });
+    $("tour-text").textContent = this.text();
+    $("tour-count").textContent = this.intro ? "" : say("tour.count", { n: this.step + 1, count: STEPS.length });
     $("tour-pause").textContent = say(this.paused ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
     $("tour-next").textContent = say(this.step === STEPS.length - 1 ? "tour.done" : "asking.next");
@@ -119,16 +139,19 @@ $("tour-again").addEventListener("click", () => {
   $("share-open").click();  // its sheet closes
   begin();
 });
-$("tour-next").addEventListener("click", () => tour.go(tour.step + 1));
+$("tour-next").addEventListener("click", () => tour.next());
 on("tour-pause", "click", () => (tour.paused = !tour.paused));
 $("tour-leave").addEventListener("click", () => tour.leave());
 
 // Whoever moves something else takes over. A panel begins with what the page showed before, and a language moves nothing.
 const taken = ({ target }) => {
-  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer")) tour.leave(!target.closest?.("[role=tab]"));
+  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer")) tour.leave(!target.closest?.("[role=tab]"), Boolean(target.closest?.("#space-box")));
 };
 for (const event of ["input", "change"]) document.addEventListener(event, taken, true);
-for (const event of ["pointerdown", "click"]) document.addEventListener(event, (what) => what.target.closest?.("#stage, button, input, select") && taken(what), true);
+// What is pressed is where it was until it is released: without the guided start, parts of the page have other places.
+for (const [event, parts] of [["pointerdown", "#stage, [type=range]"], ["click", "#stage, button, input, select"]]) {
+  document.addEventListener(event, (what) => what.target.closest?.(parts) && taken(what), true);
+}
 document.addEventListener("keydown", (event) => {
   if (tour.step < 0) return;
   if (event.key === "Escape") tour.leave();

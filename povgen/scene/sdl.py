@@ -296,12 +296,15 @@ def to_html(
     script: str,
     texts: Sequence[laws.Text],
     fonts: Mapping[str, str] | None = None,
+    poster: str = "",
 ) -> str:
     """Return a page of the live view, `liveview/page` or `page/index`, with its styles. Its script reads `data`.
 
-    `texts` are the laws that its shaders know. `page/index` has `fonts`: text, bold and symbols as base64.
+    `texts` are the laws that its shaders know. `page/index` has `fonts`: text, bold and symbols as base64;
+    and a `poster`, a WebP picture as base64, if it has one.
     """
-    return _environment().get_template(f"{page}.html.j2").render(data=data, script=script, laws=texts, fonts=fonts)
+    template = _environment().get_template(f"{page}.html.j2")
+    return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster)
 
 
 def to_javascript(texts: Sequence[laws.Text]) -> str:

@@ -48,7 +48,7 @@ def opened(browser, file, hash_="", **options):
     page.goto(file.as_uri() + hash_)
     page.evaluate(NAMES)
     page.evaluate("tour.leave(); OPENING.level = 'expert'; change({ level: 'expert' }); draw()")
-    page.evaluate("PACE.RAYS = 1; view.ready")
+    page.evaluate("PACE.RAYS = 1; view.ready.then(() => view.loading)")
     return page, faults
 
 

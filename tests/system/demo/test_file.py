@@ -12,6 +12,7 @@ def test_the_page_is_one_small_file(demo_file):
     assert demo_file.stat().st_size < 1_300_000
     text = demo_file.read_text("utf-8").partition("<!-- povgen record")[0]
     assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
+    assert text.count('src="data:image/webp') == 1
     assert not re.search(r'(src|href)="(?!data:|\$\{)', text)
     assert all(path.read_text() in text for path in (PROJECT / "povgen" / "page").glob("*.css"))
 

@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import ExifTags, Image
 from playwright.sync_api import expect
 
-from demo.conftest import DRAWN, bounds, opened, picture, show
+from demo.conftest import COARSE, DRAWN, bounds, opened, picture, show
 
 
 @pytest.fixture
@@ -196,25 +196,47 @@ def test_what_is_printed_is_neither_covered_nor_cut(page, landscape):
         assert sum(colour in text for text in pages) == 1  # what is cut is on two pages
 
 
-def test_a_camera_that_does_not_start_or_is_unplugged(page):
+def test_a_camera_that_does_not_start_shows_and_is_unplugged(page):
     page.evaluate("$('room').hidden = false")
     page.evaluate(
         """async () => {
-          document.body.append(Object.assign(document.createElement("canvas"), { id: "tool-canvas" }));
-          $("tool-canvas").getContext("2d").fillRect(0, 0, 9, 9);
-          navigator.mediaDevices.getUserMedia = async () => (window.made = $("tool-canvas").captureStream());
+          const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
+          window.filming = setInterval(() => pen.fillRect(0, 0, 9, 9), 50);
+          navigator.mediaDevices.getUserMedia = async () => (window.made = canvas.captureStream());
           $("camera-video").play = async () => { throw new DOMException("refused", "NotAllowedError"); };
           $("camera").click();
         }"""
     )
     expect(page.locator("#room-message")).not_to_have_text("")
     assert page.evaluate("[$('camera').getAttribute('aria-pressed'), made.active]") == ["false", False]
-    page.evaluate("delete $('camera-video').play; $('camera').click()")
+    page.evaluate(
+        """() => {
+          window.shown = 0;
+          view.setSky = (picture) => { shown++; LiveView.prototype.setSky.call(view, picture); };
+          delete $("camera-video").play;
+          $("camera").click();
+        }"""
+    )
     page.wait_for_function("$('camera').getAttribute('aria-pressed') === 'true'")
     expect(page.locator("#room-message")).to_have_text("")
+    # the next picture waits until this one has been drawn
+    page.wait_for_function("shown > 0")
+    assert page.evaluate("new Promise((done) => setTimeout(() => done(shown), 300))") == 1
+    page.evaluate("view.stale = false")
+    page.wait_for_function("shown > 1")
     page.evaluate("made.getTracks()[0].dispatchEvent(new Event('ended'))")
     assert page.evaluate("$('camera').getAttribute('aria-pressed')") == "false"
-    page.evaluate("$('no-room').click(); $('tool-canvas').remove(); $('room').hidden = true")
+    page.evaluate("clearInterval(filming); delete view.setSky; $('no-room').click(); $('room').hidden = true")
+
+
+def colours_beside(page):
+    """Return the colours that are seen to the left of the window, above the horizon and below it."""
+    page.evaluate("draw()")
+    room = picture(page, COARSE)
+    height, width, _ = room.shape
+    pixels = [room[int(part * height), width // 20] for part in (0.2, 0.8)]
+    names = {0: "red", 2: "blue"}
+    return [names[int(p.argmax())] if p.max() > 200 and np.median(p) < 60 else "floor" for p in pixels]
 
 
 def test_a_photo_is_seen_behind_the_window(page, tmp_path):
@@ -222,14 +244,23 @@ def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     before = picture(page)
     page.get_by_role("button", name="More").click()
     page.get_by_role("button", name="Your room").click()
-    data = BytesIO()
-    Image.new("RGB", (40, 30), (250, 10, 10)).save(data, "PNG")
-    page.locator("#photo").set_input_files({"name": "room.png", "mimeType": "image/png", "buffer": data.getvalue()})
+    data, exif = BytesIO(), Image.Exif()
+    upright = Image.new("RGB", (30, 40), (250, 10, 10))
+    upright.paste((10, 10, 250), (0, 20, 30, 40))
+    exif[ExifTags.Base.Orientation] = 6  # as a phone that is held upright writes it
+    upright.transpose(Image.Transpose.ROTATE_90).save(data, "JPEG", exif=exif, quality=100, subsampling=0)
+    page.locator("#photo").set_input_files({"name": "room.jpg", "mimeType": "image/jpeg", "buffer": data.getvalue()})
     page.wait_for_function("Boolean(view.sky)")
-    room = picture(page)
-    height, width, _ = room.shape
-    red = room[height // 5, width // 2]
-    assert red[0] > 200 and red[1:].max() < 60
+    assert colours_beside(page) == ["red", "floor"]
+    page.get_by_label("floor").uncheck()
+    assert colours_beside(page) == ["red", "blue"]
+    for name, value, seen in (
+        ("turned", 180, ["blue", "red"]),
+        ("turned", 0, ["red", "blue"]),
+        ("up", 50, ["blue"] * 2),
+    ):
+        page.get_by_label(name, exact=True).fill(str(value))
+        assert colours_beside(page) == seen, (name, value)
     page.locator("#photo").set_input_files({"name": "no.png", "mimeType": "image/png", "buffer": b"no"})
     expect(page.locator("#room-message")).to_have_text("This file is not a picture that the browser can read.")
     page.get_by_role("button", name="Mountains").click()

@@ -186,6 +186,37 @@ def test_without_webgl_the_page_says_so(browser, demo_file):
     page.close()
 
 
+def test_red_and_cyan_glasses_show_depth(page):
+    """Red is what the left eye sees, green and blue what the right eye sees."""
+    show(page, alpha=180, E=[-0.15, 0])
+    left = picture(page, COARSE)
+    show(page, E=[0.15, 0])
+    right = picture(page, COARSE)
+    show(page, E=[0, 0], depth=True)
+    both = picture(page, COARSE)
+    assert np.abs(both[..., 0] - left[..., 0]).mean() < 3 and np.abs(both[..., 1:] - right[..., 1:]).mean() < 3
+    assert np.abs(left - right).mean() > 6
+
+
+def test_another_size_shows_the_picture_until_it_is_drawn_anew(page):
+    """A shader may have to be made first."""
+    picture(page, COARSE)
+    shown = page.evaluate(
+        """() => {
+          view.again = () => {};
+          view.canvas.style.width = "40%";
+          view.resize();
+          const pen = document.createElement("canvas").getContext("2d");
+          pen.drawImage(view.canvas, 0, 0, 1, 1);
+          delete view.again;
+          view.canvas.style.width = "";
+          view.resize();
+          return [...pen.getImageData(0, 0, 1, 1).data];
+        }"""
+    )
+    assert min(shown) > 30
+
+
 def test_a_curtain_shows_two_settings(page):
     """To its left, the picture is that of the ideal sheet; to its right, that without sheets. Keys move it."""
     show(page, sheet="none")
@@ -204,3 +235,9 @@ def test_a_curtain_shows_two_settings(page):
     assert page.locator("#curtain-names span").all_text_contents() == ["ideal sheet", "no sheet"]
     page.locator("#curtain").press("ArrowLeft")
     assert page.evaluate("session.curtain") == 0.49
+    # hidden and shown again, it need not make its shaders anew
+    page.evaluate("window.held = otherView().context")
+    for compare in ("off", "none"):
+        show(page, compare=compare)
+        page.wait_for_function("(seen) => otherView().inSight === seen", arg=compare != "off")
+        assert page.evaluate("otherView().context === held && !held.gl.isContextLost()")

@@ -1,10 +1,15 @@
 """The guided start of the page."""
 
+import base64
 import re
 
+import numpy as np
 import pytest
-from conftest import NAMES
+from conftest import NAMES, PROJECT
+from PIL import Image
 from playwright.sync_api import expect
+
+from demo.conftest import pixels
 
 END = "tour.passed = 100"  # of the present step
 
@@ -24,13 +29,24 @@ def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_f
     page.goto(demo_file.as_uri())
     page.wait_for_function("povgen.tour.tour.step >= 0")
     expect(page.locator("#spoken")).to_have_text(
-        re.compile("^The guided start runs. Escape leaves it. A window stands on a floor.")
+        re.compile("^The guided start runs. Escape leaves it. The same knight twice")
     )
     page.keyboard.press("Tab")
     expect(page.get_by_role("button", name="Go on")).to_be_focused()
+    expect(page.locator("#poster")).to_have_count(0)
+    page.evaluate(NAMES)
+    assert page.evaluate("tour.passed = 0; tour.show(); draw(); view.scene.piece") == ["knight", "knight"]
+    page.wait_for_function("!view.behind")
+    shown = base64.b64decode(page.evaluate("still(view, 240, 180).toDataURL().split(',')[1]"))
+    with Image.open(PROJECT / "povgen/page/poster.webp") as poster:
+        assert abs(pixels(shown) - np.asarray(poster.convert("RGB").resize((240, 180)))).mean() < 8
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    page.evaluate("draw()")
+    assert page.evaluate("[tour.step, view.scene.piece]") == [0, "knight"]
     expect(page.locator("#tour-text")).to_contain_text("A window stands on a floor")
     expect(page.locator("#view")).to_have_attribute("aria-label", re.compile("^A knight seen without sheets"))
-    expect(page.locator("#spoken")).to_have_text(re.compile("^Nothing is in the window"))
+    expect(page.locator("#spoken")).to_have_text(re.compile("Nothing is in the window"))
     assert page.evaluate("location.hash") == ""  # the address does not follow
     page.keyboard.press("Escape")
     assert page.evaluate("povgen.state.state.sheet") == "ideal"  # as it was
@@ -45,11 +61,12 @@ def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_f
 
 
 def test_it_does_not_begin_for_who_has_begun(browser, demo_file):
-    """Before the picture is ready."""
+    """Before the picture is ready. It is when the piece that it shows has been read, not all."""
+    begin = "$('tab-measure').click(); view.ready.then(() => (window.read = Object.keys(view.shapes.fields).length))"
     page = browser.new_page(reduced_motion="no-preference")
-    page.add_init_script(f"addEventListener('DOMContentLoaded', () => {{ {NAMES}; $('tab-measure').click(); }})")
+    page.add_init_script(f"addEventListener('DOMContentLoaded', () => {{ {NAMES}; {begin}; }})")
     page.goto(demo_file.as_uri())
-    assert page.evaluate("view.ready.then(() => [tour.step, Boolean(view.gl)])") == [-1, True]
+    assert page.evaluate("view.ready.then(() => [tour.step, Boolean(view.gl), read])") == [-1, True, 1]
     page.close()
 
 
@@ -112,10 +129,28 @@ def test_it_begins_at_the_level_of_experts_too(page):
 
 
 def test_who_moves_something_takes_over(tour):
+    """They see the picture again, with the sheet of this step. Who takes over in the view of the light, stays there."""
+    tour.evaluate("tour.go(1); draw()")
     tour.locator("#number-z1").fill("3")
-    assert tour.evaluate("[tour.step, state.z1]") == [-1, 3]
+    shown = tour.evaluate("[tour.step, state.z1, state.sheet, state.large, state.light]")
+    assert shown == [-1, 3, "single", False, "ray"]
+    tour.evaluate("draw()")
+    expect(tour.locator("#compare")).to_be_visible()
+    tour.get_by_role("button", name="Guided start").click()
+    tour.evaluate("tour.go(1); draw()")
+    expect(tour.locator("#compare")).to_be_hidden()
+    tour.locator("#show-stray").check()
+    assert tour.evaluate("[tour.step, state.large, state.light, state.stray]") == [-1, True, "prism", True]
     tour.evaluate("draw()")
     expect(tour.locator("#sentence")).to_be_visible()
+
+
+def test_a_step_waits_until_its_picture_can_be_drawn(tour):
+    tour.evaluate("view.drawn = null; tour.go(0); tour.passed = 0; tour.paused = false")
+    passed = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(tour.passed))))"
+    assert tour.evaluate(passed) == 0
+    tour.evaluate("view.drawn = view.context.program('picture')")
+    tour.wait_for_function("tour.passed > 0")
 
 
 def test_an_address_takes_over(tour):
