@@ -2,7 +2,7 @@
 
 Each module becomes a function that returns its exports. `povgen` in the page holds them, by the modules' names.
 An export is a constant, a function or a class, but no variable: the module's function returns its value only once.
-Lines that are comments are left out.
+Comments and indents are left out.
 """
 
 import posixpath
@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from graphlib import TopologicalSorter
 
 from povgen.scene.laws import Text
-from povgen.scene.sdl import PACKAGE, to_javascript
+from povgen.scene.sdl import PACKAGE, bare, to_javascript
 
 IMPORT = re.compile(r'^import (?:(?:\* as )?([^"]+) from )?"([^"]+)";\n', re.M)
-COMMENT = re.compile(r"^ *//.*\n", re.M)
 EXPORT = re.compile(r"^export (?=(?:async )?(?:const|function|class) ([\w$]+))", re.M)
 
 
@@ -40,7 +39,7 @@ def script(*mains: str, laws: Sequence[Text]) -> str:
 
 def _function(path: str, text: str) -> str:
     exports = ", ".join(found[1] for found in EXPORT.finditer(text))
-    body = COMMENT.sub("", IMPORT.sub(_names, text))
+    body = bare(IMPORT.sub(_names, text))
     return f"povgen.{_name(path)} = (() => {{\n{EXPORT.sub('', body)}return {{ {exports} }};\n}})();\n"
 
 

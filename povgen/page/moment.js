@@ -29,9 +29,8 @@ const EYES = 0.3;
 // The values of povgen's scene, for the live view. z1 and z2 are made large enough to keep object and eye out of the frame.
 export function sceneValues() {
   const { scene, piece, L, E, sheet2, alpha2, d } = state;
-  const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", "pupil", "focus", ...Object.keys(data.parameters)), eye: E, faces: data.faces };
+  const values = { ...data.scenes[scene], ...pick(state, "sheet", "prisms", "pupil", "focus", ...Object.keys(data.parameters)), eye: E, eyes: state.depth ? EYES : 0, faces: data.faces };
   if (!session.floor) values.floor = "none";
-  if (state.depth) values.eyes = EYES;
   if (inSeries()) {
     values.window = [{ alpha: alpha2, z: d, sheet: sheet2 === "same" ? null : sheet2 }];
     values.window[0].z = Math.max(d, depth(values) + 0.011);

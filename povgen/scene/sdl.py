@@ -41,6 +41,7 @@ from povgen.version import __version__
 TEMPLATES = own_folder("templates")
 PACKAGE = Path(__file__).parents[1]  # whose folders have the texts of pages, shaders and captions
 COMPILED = TEMPLATES / "__pycache__"
+COMMENT = re.compile(r"^ *//.*\n|^ +|  //.*$", re.M)
 
 
 class _Compiled(FileSystemBytecodeCache):
@@ -73,6 +74,7 @@ def _environment() -> Environment:
     environment.filters["repr"] = repr
     environment.filters["sdl_name"] = _sdl_name
     environment.filters["zip"] = zip
+    environment.filters["bare"] = bare
     environment.tests["file"] = lambda piece: isinstance(piece, PieceFile)
     environment.filters["floats"] = materials.floats
     environment.filters["interpolated"] = materials.interpolated
@@ -305,6 +307,11 @@ def to_html(
     """
     template = _environment().get_template(f"{page}.html.j2")
     return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster)
+
+
+def bare(text: str) -> str:
+    """Return a script or a shader without comments and indents. Behind code, two spaces are before a comment."""
+    return COMMENT.sub("", text)
 
 
 def to_javascript(texts: Sequence[laws.Text]) -> str:

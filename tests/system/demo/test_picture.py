@@ -196,6 +196,8 @@ def test_red_and_cyan_glasses_show_depth(page):
     both = picture(page, COARSE)
     assert np.abs(both[..., 0] - left[..., 0]).mean() < 3 and np.abs(both[..., 1:] - right[..., 1:]).mean() < 3
     assert np.abs(left - right).mean() > 6
+    show(page, depth=False)
+    assert page.evaluate("view.scene.eyes") == 0
 
 
 def test_another_size_shows_the_picture_until_it_is_drawn_anew(page):
