@@ -21,6 +21,7 @@ import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
 import "./teaching.js";
 import { describe, heard, seen } from "./text.js";
+import "./tilt.js";
 import { tour } from "./tour.js";
 
 let written = "";  // the language of the page's sentences

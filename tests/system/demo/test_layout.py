@@ -170,6 +170,22 @@ def test_a_finger_that_scrolls_from_a_slider_changes_nothing(browser, demo_file)
     page.close()
 
 
+def test_the_eye_follows_a_phone_that_is_tilted(page):
+    """If its right edge goes back, the eye is to its left; if its upper edge comes nearer, above its middle."""
+    page.evaluate("$('tilt').click()")
+    tilt = """([beta, gamma]) => new Promise((done) => {
+      dispatchEvent(new DeviceOrientationEvent("deviceorientation", { beta, gamma }));
+      requestAnimationFrame(() => done(state.E));
+    })"""
+    assert page.evaluate(tilt, [40, 5]) == [0, 0]
+    assert page.evaluate(tilt, [46, 15]) == pytest.approx([-0.5, 0.3])
+    page.evaluate("$('tilt').click()")
+    assert page.evaluate(tilt, [80, 15]) == pytest.approx([-0.5, 0.3])
+    page.evaluate("$('tilt').click()")  # and no event comes
+    expect(page.locator("#copied")).to_have_text("This device does not say how it is tilted.")
+    assert page.locator("#tilt").get_attribute("aria-pressed") == "false"
+
+
 def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
     """On a phone, also in the guided start, and beside a question."""
     resize(page, (1280, 800))
