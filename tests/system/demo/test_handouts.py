@@ -87,8 +87,8 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.emulate_media(media="print")
     assert page.locator("#tasks li").count() == 4 and page.locator("main").is_hidden()
     assert page.locator("#task-setting").inner_text().startswith("Ein Springer, gesehen durch: ")
-    [code, picture, name] = bounds(page, "#task-code svg", "#task-picture", "#task-name")
-    assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300
+    [code, picture, name, title] = bounds(page, "#task-code svg", "#task-picture", "#task-name", "#tasks h1")
+    assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300 and title["height"] < 40
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("#tasks").is_hidden()
     page.close()
