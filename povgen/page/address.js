@@ -3,9 +3,9 @@
 import { hasPiece } from "../liveview/presets.js";
 import { pick } from "./data.js";
 import { choose, LANGUAGES, say, spoken } from "./language.js";
-import { end, isRevealed, MOST_CHOICES, QUESTIONS, setOwn } from "./questions.js";
+import { end, isRevealed, MOST_CHOICES, ownQuestions, QUESTIONS, setOwn } from "./questions.js";
 import { scrambled, unscrambled } from "./scramble.js";
-import { change, CHOICES, inSeries, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
+import { change, CHOICES, inSeries, LOOKER, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
 
 const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
 export const SWITCHES = ["position", "circles", "image", "caption", "depth", "stray", "large"];
@@ -29,15 +29,18 @@ export function settings() {
   return parts;
 }
 
+// What stays for other settings, too. A teacher's own questions are last: the end is lost first where a link is cut.
+export const lasting = () => ({
+  level: state.level, ...(spoken.asked ? { language: spoken.language } : {}), ...(session.own_questions ? { own: session.own_questions } : {}),
+});
+
 export function toHash() {
   const asked = QUESTIONS[state.question];
   /** @type {Record<string, string>} */
-  const parts = { ...(asked?.own ? {} : settings()), level: state.level };  // a teacher's question has its own, and its link is short
+  const parts = asked?.own ? {} : settings();  // a teacher's question has its own, and its link is short
   if (asked) parts.question = asked.name;
   else if (session.measuring) parts.panel = "measure";
-  if (spoken.asked) parts.language = spoken.language;
-  if (session.own_questions) parts.own = session.own_questions;  // the last part, which is lost first where a link is cut
-  return `#${Object.entries(parts).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
+  return `#${Object.entries({ ...parts, ...lasting() }).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 }
 
 // Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
@@ -47,6 +50,7 @@ export function fromHash(hash) {
   let values = valuesOf(given);
   if (LANGUAGES.includes(given.get("language"))) choose(given.get("language"), true);
   const complete = takeOwn(given.get("own") ?? "");
+  if (!QUESTIONS[session.lastQuestion]) session.lastQuestion = 0;
   const first = given.get("own")?.startsWith("{") ? ({ own }) => own : ({ name }) => name === given.get("question");
   const question = QUESTIONS.findIndex(first);
   if (QUESTIONS[question]) {
@@ -56,7 +60,7 @@ export function fromHash(hash) {
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
   if (!complete) session.refusals = [say("asking.own_cut")];
-  [session.replaced, session.own, session.measuring] = [null, {}, given.get("panel") === "measure"];
+  [session.replaced, session.own, session.drawn, session.measuring] = [null, {}, null, given.get("panel") === "measure"];
 }
 
 // ---- A teacher's own questions: { ask, choices, why, before, after }, with the right choice first. `before` says how the settings
@@ -78,7 +82,7 @@ function takeOwn(code) {
   session.own_questions = "";
   try {
     if (code) setOwn(decoded(code));
-    session.own_questions = code;
+    session.own_questions = coded(ownQuestions());  // an earlier version has written them in another way
     return true;
   } catch {
     return false;
@@ -92,8 +96,8 @@ function decoded(code) {
     if (choices.length < 2 || choices.length > MOST_CHOICES || !ask || !texts.every((each) => typeof each === "string")) throw new Error("no question");
     const all = [USUAL, parted(before), parted(after)];
     const [first, last] = [2, 3].map((count) => valuesOf(new URLSearchParams(Object.assign({}, ...all.slice(0, count)))));
-    for (const values of [first, last]) delete values.level;  // that is the link's
-    const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => !["question", "level"].includes(name)));
+    for (const name of LOOKER) [first, last].forEach((values) => delete values[name]);
+    const opening = pick(OPENING, ...Object.keys(OPENING).filter((name) => !["question", ...LOOKER].includes(name)));
     return { own: { ask, why, before, after, choices }, before: { ...opening, ...START[first.scene], ...first }, after: { ...pick(OPENING, "windows", "compare", "pupil", "focus"), ...last } };
   });
 }

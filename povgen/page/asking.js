@@ -4,12 +4,12 @@ import { hasPiece } from "../liveview/presets.js";
 import { coded, fromHash, ownQuestion, settings, SWITCHES } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";
 import { keep, saveTable, work } from "./kept.js";
-import { percent, printed, readNumber, say } from "./language.js";
+import { percent, printed, readNumber, say, unbroken } from "./language.js";
 import { moment } from "./moment.js";
 import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
 import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why } from "./questions.js";
-import { change, OPENING, session, state, WHOLE } from "./state.js";
+import { change, LOOKER, OPENING, session, state, WHOLE } from "./state.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 export function openQuestion(n) {
@@ -23,7 +23,7 @@ export function openQuestion(n) {
     session.lastQuestion = n;
     askAnew(n);
   } else {
-    change({ ...session.explored, level: state.level, question: -1 });
+    change({ ...session.explored, ...pick(state, ...LOOKER), question: -1 });
   }
   drawQuestion();
   refresh();
@@ -37,7 +37,7 @@ export function askAnew(n) {
   keep();
   drawnQuestion = null;
   session.drawn = null;
-  change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, question: n });
+  change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, ...pick(state, ...LOOKER), question: n });
 }
 
 let asksForNumber = false;
@@ -124,7 +124,7 @@ export function drawQuestion() {
   }
   const question = QUESTIONS[n];
   if (question !== drawnQuestion) {
-    $("ask").textContent = ask(question).replaceAll(" = ", "\u00a0=\u00a0");  // not parted at a line's end
+    $("ask").textContent = unbroken(ask(question));
     $("prediction").replaceChildren(...(question.match || question.goal ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
     drawnQuestion = question;

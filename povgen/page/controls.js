@@ -350,7 +350,7 @@ const needs = (target, key) => target.matches("select, textarea, input:not([type
 
 document.addEventListener("keydown", (event) => {
   const { target, key } = event;
-  if (!$("shortcuts").checked || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
+  if (!$("shortcuts").checked || $("teach").open || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
   const action = KEYS[key.toLowerCase()];
   if (!action) return;
   event.preventDefault();

@@ -65,7 +65,7 @@ for (const id of ["share", "room"]) {
   };
   button.addEventListener("click", () => open($(id).hidden));
   $(id).addEventListener("keydown", ({ key }) => {
-    if (key !== "Escape" || $("qr").matches(":popover-open")) return;  // the browser closes the code alone
+    if (key !== "Escape" || document.querySelector(":popover-open")) return;  // the browser closes this alone
     open(false);
     button.focus();
   });
@@ -81,8 +81,10 @@ export function drawKept() {
 }
 
 // Show other work: it was deleted, or another window of the browser has changed it.
-function showOther() {
-  if (isAsked()) askAnew(state.question);
+function showOther(change) {
+  const before = isAsked();
+  change();
+  if (isAsked() && !before) askAnew(state.question);
   rewriteQuestion();
   drawRows();
   refresh();
@@ -92,14 +94,9 @@ $("delete-work").addEventListener("click", ({ target }) => {
   if (target.tagName !== "BUTTON") return;
   $("delete-work").hidePopover();
   if (target.id !== "delete-all") return;
-  clear();
-  showOther();
+  showOther(clear);
 });
-addEventListener("storage", (event) => {
-  if (event.key !== key()) return;
-  take();
-  showOther();
-});
+addEventListener("storage", (event) => event.key === key() && showOther(take));
 addEventListener("beforeunload", (event) => storage.refused && !isEmpty() && event.preventDefault());
 
 // ---- A recorded movement: of the picture, without what is drawn on it ----

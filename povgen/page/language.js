@@ -61,6 +61,9 @@ export const localised = (digits) => digits.replace(".", decimal);
 // Between the numbers of a list, where a comma can be a number's own.
 export const separator = () => (decimal === "," ? "; " : ", ");
 
+// Equations are not parted at a line's end.
+export const unbroken = (text) => text.replaceAll(" = ", "\u00a0=\u00a0");
+
 // Write the sentences into the page: the attributes `data-say`, `data-say-label` and `data-say-title` name them.
 export function fill() {
   document.documentElement.lang = spoken.language;

@@ -28,7 +28,9 @@ $("present").addEventListener("click", () => {
   $("leave").focus();
 });
 $("leave").addEventListener("click", () => present(false));
-document.addEventListener("keydown", ({ key }) => key === "Escape" && document.body.classList.contains("present") && present(false));
+document.addEventListener("keydown", ({ key }) => {
+  if (key === "Escape" && document.body.classList.contains("present") && !document.querySelector(":popover-open")) present(false);
+});
 $("stage-box").addEventListener("pointermove", ({ clientX, clientY }) => {
   $("pointer").style.transform = `translate(${clientX}px, ${clientY}px)`;
 });

@@ -7,7 +7,7 @@ import { drawTabs, fillPage, showInputs, showMarks, showNumbers } from "./contro
 import { $, drawBy, pick, refresh } from "./data.js";
 import { drawDiagram } from "./diagram.js";
 import { placeHandles } from "./handles.js";
-import { drawKept } from "./handouts.js";
+import { drawKept, page } from "./handouts.js";
 import { chooseUsual, say, spoken } from "./language.js";
 import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
@@ -96,7 +96,7 @@ export function keepAddress() {
   if (toHash() === kept) return;
   const isNew = chosen() !== keptChoice;
   [kept, keptChoice] = [toHash(), chosen()];
-  const address = location.href.replace(/#.*|$/, "") + kept;
+  const address = page() + kept;
   if (isNew) location.hash = kept;
   else {
     try {
@@ -110,7 +110,7 @@ export function keepAddress() {
 addEventListener("popstate", () => {
   if (location.hash === kept) return;
   player.pause();
-  tour.leave(true);
+  tour.leave();
   endGlide();
   session.typing = null;
   if (state.question < 0) session.explored = { ...state };

@@ -10,10 +10,9 @@ import { apparentOutline, apparentPosition, appearance, contents, imagingPole, m
 import { outlineOf } from "./outline.js";
 import { thing } from "./phrases.js";
 import { povray } from "./player.js";
-import { isAsked } from "./questions.js";
 import { along, awayP, branches, corner, corners, curve, dot, edge, line, step, svg, triangle, words } from "./shapes.js";
 import { session, state } from "./state.js";
-import { caption } from "./text.js";
+import { caption, isToBeFound } from "./text.js";
 
 export const overlay = $("overlay");
 export const stage = $("stage");
@@ -29,7 +28,7 @@ export function drawOverlay(now) {
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(session.marked))) parts.push(...paths(now));
   parts.push(...dashed(), ...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
-  if (now.nearPole && !isAsked()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
+  if (now.nearPole && !isToBeFound()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem, box));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
   overlay.style.fontSize = `${rem}px`;
@@ -37,7 +36,7 @@ export function drawOverlay(now) {
   if (state.caption) drawCaption(caption(now), box, rem);
   const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
   overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
-  $("hint").classList.toggle("covered", state.caption || povray.shown || state.question >= 0 || session.measuring || !$("tour").hidden);
+  $("hint").classList.toggle("covered", state.caption || povray.shown);
   stage.classList.toggle("has-marks", state.position);
 }
 

@@ -148,13 +148,15 @@ export const povray = {
 
   toggle() {
     this.shown = !this.shown;
-    if (this.shown) replace({ ...player.fixed("detailed"), [player.preset.parameter]: player.value(player.part()) }, ["sheet"]);
+    if (this.shown) replace({ ...this.wanted(), [player.preset.parameter]: player.value(player.part()) }, ["sheet"]);
     refresh();
   },
 
-  // The movie shows its own scene only.
+  // The movie shows its own scene only, without a curtain.
+  wanted: () => ({ ...player.fixed("detailed"), compare: "off" }),
+
   matches() {
-    const wanted = { ...player.fixed("detailed") };
+    const wanted = this.wanted();
     delete wanted[player.preset.parameter];
     return Object.entries(wanted).every(([name, value]) => String(value) === String(state[name]));
   },

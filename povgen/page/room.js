@@ -142,6 +142,7 @@ on("no-room", "click", () => {
   $("photo").value = "";
   for (const name of PLACE) $(`room-${name}`).value = $(`room-${name}`).defaultValue;
   session.floor = $("room-floor").checked = true;
+  $("all-around").checked = false;
   drawTools();
   show(null);
 });

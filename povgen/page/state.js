@@ -38,6 +38,7 @@ const ASIDE = 10;           // |x| and |y| of L and E are at most this
 const LEAST_PEDESTAL = 0.2;
 const IN_WINDOW = data.scenes.chess.aperture / 2 - 0.05;
 export const state = { ...OPENING };
+export const LOOKER = ["level", "depth"];  // what depends on who looks: a question and the guided start leave it as it is
 
 // What the page keeps beside the state. It is not in the address.
 export const session = {

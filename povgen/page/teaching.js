@@ -1,8 +1,10 @@
 // A teacher's panel: what such windows are good for, the steps of a lesson, and a sheet of tasks to print.
 
+import { lasting } from "./address.js";
 import { $, element } from "./data.js";
 import { drawCode, page, printed, printPicture } from "./handouts.js";
-import { entry, marked, quantity, say, spoken, SYMBOL } from "./language.js";
+import { keep, work } from "./kept.js";
+import { entry, marked, quantity, say, SYMBOL, unbroken } from "./language.js";
 import { moment } from "./moment.js";
 import { ask, choices, QUESTIONS } from "./questions.js";
 import { settingSaid } from "./text.js";
@@ -16,7 +18,6 @@ const STEPS = [
   { name: "distance", minutes: 14, shows: [{ sheet: "ideal", alpha: 90, z1: 6 }, { sheet: "ideal", alpha: 90, z1: 2 }], asks: ["far"] },
   { name: "say", minutes: 5, shows: [12, 300].map((prisms) => ({ sheet: "detailed", alpha: 66, prisms })), asks: [] },
 ];
-const unbroken = (text) => text.replaceAll(" = ", "\u00a0=\u00a0");
 const asked = (name) => QUESTIONS.find((question) => question.name === name);
 
 // A link to a setting of the page, named by the setting, or to a question.
@@ -24,9 +25,11 @@ function settingLink(setting) {
   const { sheet, light, question } = setting;
   const numbers = Object.keys(setting).filter((name) => name in SYMBOL).map((name) => `${SYMBOL[name]} = ${quantity(name, setting[name])}`);
   const parts = question ? [ask(asked(question))] : [say(`kinds.${sheet}.choice`), ...numbers, ...(light ? [say(`light.show.${light}`)] : [])];
-  const language = spoken.asked ? { language: spoken.language } : {};
-  const href = `${page()}#${new URLSearchParams({ ...setting, ...language })}`;
-  return element("a", { href, textContent: parts.join(", ") });
+  const href = `${page()}#${new URLSearchParams({ ...setting, ...lasting() })}`;
+  return element("a", { href, textContent: parts.join(", "), onclick: () => {
+    if (work.answers[question]) work.answers[question].shown = false;  // it is asked anew
+    keep();
+  } });
 }
 
 function drawLesson() {

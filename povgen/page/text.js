@@ -129,7 +129,7 @@ export function caption(now) {
   const values = parametersOf(now);
   const second = now.d ? [...(names[1] === names[0] ? [] : [names[1]]), ...values[1], `d = ${brief(now.d)}`] : [];
   const parts = [names[0], ...values[0], ...second, `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`, ...eyeValues(now)];
-  if (!now.two && !now.Z) return parts;
+  if ((!now.two && !now.Z) || isToBeFound()) return parts;
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
   return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`];
 }

@@ -2,13 +2,15 @@
 // the button.
 
 import { radians } from "../liveview/geometry.js";
+import { SWITCHES } from "./address.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
 import { $, on, pick, refresh } from "./data.js";
 import { entry, say } from "./language.js";
 import { view } from "./picture.js";
 import { player, reducedMotion } from "./player.js";
-import { change, OPENING, session, START, state } from "./state.js";
+import { CAMERAS } from "./space.js";
+import { change, LOOKER, OPENING, session, START, state } from "./state.js";
 
 const KNIGHT = { ...OPENING, ...START.chess, prisms: 100, sheet: "ideal" };
 // The page opens with it: the effect, beside what there is. The poster is its first picture (page.py).
@@ -53,7 +55,7 @@ export const tour = {
     const running = this.step >= 0;
     Object.assign(this, { step: n, intro });
     this.passed = this.paused ? this.now.seconds : 0;  // who goes from step to step sees where each one ends
-    [session.camera, session.zoom] = [[0.55, 0.3], 1];
+    [session.camera, session.zoom] = [CAMERAS.corner, 1];
     this.show();
     if (!running) this.run(performance.now());
   },
@@ -64,7 +66,7 @@ export const tour = {
     const part = Math.min(1, Math.max(0, (this.passed / seconds - 0.2) / 0.6));
     const between = (name, from, to) => (name === "alpha" ? from + (to - from) * part : from * (to / from) ** part);
     const moved = Object.entries(moves).map(([name, [from, to]]) => [name, between(name, from, to)]);
-    const values = { ...KNIGHT, level: state.level, ...shows, ...Object.fromEntries(moved) };
+    const values = { ...KNIGHT, ...pick(state, ...LOOKER), ...shows, ...Object.fromEntries(moved) };
     if (through) values.L = plus(through, scaled(values.z1 / values.z2, times(turn(-radians(values.alpha)), minus(through, values.E))));
     change(values);
     session.twin = twin;
@@ -105,8 +107,9 @@ export const tour = {
     this.step = -1;
     session.twin = 0;
     if (!stay) session.measuring = this.before.measuring;
-    if (!kept) change(stay ? pick(this.before.state, "light", "stray", "large") : this.before.state);
+    if (!kept) change(stay ? pick(this.before.state, "light", "diagram", ...SWITCHES) : this.before.state);
     this.before = null;
+    document.body.classList.remove("begins");  // the poster shows its first picture
     $("spoken").textContent = say("tour.left");
     const focused = $("tour").contains(document.activeElement);
     this.draw();
@@ -118,8 +121,6 @@ export const tour = {
     const on = this.step >= 0;
     document.body.classList.toggle("touring", on);
     $("tour").hidden = !on;
-    $("sentence").hidden = on;
-    $("tour-start").hidden = on;
     if (!on) return;
     $("tour-text").textContent = this.text();
     $("tour-count").textContent = this.intro ? "" : say("tour.count", { n: this.step + 1, count: STEPS.length });
@@ -143,9 +144,9 @@ $("tour-next").addEventListener("click", () => tour.next());
 on("tour-pause", "click", () => (tour.paused = !tour.paused));
 $("tour-leave").addEventListener("click", () => tour.leave());
 
-// Whoever moves something else takes over. A panel begins with what the page showed before, and a language moves nothing.
+// Whoever moves something else takes over. A panel, also the teacher's, begins with what the page showed before, and a language moves nothing.
 const taken = ({ target }) => {
-  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer")) tour.leave(!target.closest?.("[role=tab]"), Boolean(target.closest?.("#space-box")));
+  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer details")) tour.leave(!target.closest?.("[role=tab], #teach-open"), Boolean(target.closest?.("#space-box")));
 };
 for (const event of ["input", "change"]) document.addEventListener(event, taken, true);
 // What is pressed is where it was until it is released: without the guided start, parts of the page have other places.

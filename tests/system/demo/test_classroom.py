@@ -1,4 +1,4 @@
-"""What a class does with the page: on small screens, in high contrast, with questions, and with settings of its own."""
+"""What a class does with the page: in high contrast, with questions, with settings of its own, and with movies."""
 
 import numpy as np
 from conftest import sentence

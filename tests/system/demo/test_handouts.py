@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import NAMES
 from PIL import ExifTags, Image
 from playwright.sync_api import expect
 
-from demo.conftest import COARSE, DRAWN, bounds, opened, picture, show
+from demo.conftest import COARSE, DRAWN, WORK, Faults, bounds, picture, show
 
 
 @pytest.fixture
@@ -34,6 +35,10 @@ def test_the_link_is_copied_or_shown(share):
     )
     frame = share.evaluate("window.copied")
     assert frame.startswith("<iframe src=") and "?embed&amp;hide=header,panel#" in frame and "alpha=33" in frame
+    share.get_by_role("button", name="What do red and cyan glasses show?").click()
+    share.keyboard.press("Escape")
+    expect(share.locator("#what-depth")).to_be_hidden()
+    expect(share.locator("#share")).to_be_visible()  # Escape closes one thing
     expect(share.locator("#qr-open")).to_be_hidden()  # a file has no address that others can open
     share.evaluate("delete window.copied")
 
@@ -55,8 +60,12 @@ def test_the_code_of_the_link_is_large_and_moves_nothing(browser, demo_file):
 def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file):
     page = browser.new_page(viewport={"width": 1000, "height": 640}, locale="de")
     page.route("**/*", lambda route: route.fulfill(path=demo_file))
-    page.goto("http://povgen.test/#language=de&sheet=ideal&alpha=90")
-    page.evaluate("view.ready")
+    page.goto("http://povgen.test/#language=de&sheet=ideal&alpha=90&level=expert")
+    page.evaluate("povgen.picture.view.ready.then(() => {})")
+    own = '[["a?", "", "", "", "b", "c"]]'
+    page.evaluate("(own) => { location.hash += `&own=${povgen.scramble.scrambled(own)}`; }", own)
+    page.wait_for_function("povgen.questions.ownQuestions().length === 1")
+    page.evaluate("povgen.kept.work.answers.far = { given: '0', first: false, shown: true }")
     panel = page.get_by_role("dialog", name="Für Lehrkräfte")
     for link, shown in {
         "ideale Platte, α = 180,0°, Strahlen von L": {"alpha": 180, "light": "pencil", "show": "large"},
@@ -67,6 +76,10 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
         expect(panel).to_be_hidden()
         hash_ = page.evaluate("location.hash")
         assert all(f"{name}={value}" in hash_ for name, value in shown.items())
+        assert page.evaluate("[povgen.state.state.level, povgen.questions.ownQuestions().length]") == ["expert", 1]
+    assert page.evaluate("povgen.questions.isAsked()")  # although its answer was shown before
+    page.go_back()
+    page.wait_for_function("povgen.state.state.question < 0 && povgen.state.state.light === 'pencil'")
     page.evaluate("window.print = () => { window.printed = true; }")
     page.get_by_role("button", name="Für Lehrkräfte").click()
     panel.get_by_role("button", name="Aufgabenblatt drucken").click()
@@ -74,8 +87,8 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.emulate_media(media="print")
     assert page.locator("#tasks li").count() == 4 and page.locator("main").is_hidden()
     assert page.locator("#task-setting").inner_text().startswith("Ein Springer, gesehen durch: ")
-    [code, picture, name] = bounds(page, "#task-code svg", "#task-picture", "#task-name")
-    assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300
+    [code, picture, name, title] = bounds(page, "#task-code svg", "#task-picture", "#task-name", "#tasks h1")
+    assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300 and title["height"] < 40
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("#tasks").is_hidden()
     page.close()
@@ -96,10 +109,15 @@ def test_a_movement_is_recorded(share):
 
 
 def test_a_frame_leaves_out_what_is_hidden(browser, demo_file):
-    page, faults = opened(browser, demo_file, "?embed&hide=header,panel#alpha=33")
+    """And nothing moves by itself."""
+    page = browser.new_page(viewport=WORK, reduced_motion="no-preference")
+    faults = Faults().watch(page, demo_file.parent.as_uri())
+    page.goto(f"{demo_file.as_uri()}?embed&hide=header,panel")
+    page.evaluate(NAMES)
+    page.evaluate("view.ready.then(() => {})")
+    assert page.evaluate("view.gl && tour.step") == -1
     for part, seen in (("header", False), (".panel", False), ("footer", False), ("#stage", True), ("#sentence", True)):
         expect(page.locator(part)).to_be_visible(visible=seen)
-    assert page.evaluate("state.alpha") == 33 and not faults
     for width, height in ((800, 640), (1200, 700), (400, 600)):  # the first is that of the copied frame
         page.set_viewport_size({"width": width, "height": height})
         assert page.locator("#stage").bounding_box()["width"] > 0.5 * width
@@ -110,44 +128,31 @@ def test_a_frame_leaves_out_what_is_hidden(browser, demo_file):
         light, says, sentence, player = bounds(page, "#space-turn", "#light-says", "#sentence", ".player")
         assert light["height"] > 0.5 * height
         assert light["bottom"] < says["top"] and says["bottom"] < sentence["top"] and player["bottom"] < height
+    assert not faults
     page.close()
-
-
-def test_in_a_frame_nothing_moves_by_itself(browser, demo_file):
-    page = browser.new_page(reduced_motion="no-preference")
-    page.goto(f"{demo_file.as_uri()}?embed&hide=said")
-    page.evaluate("povgen.picture.view.ready.then(() => {})")
-    assert page.evaluate("povgen.picture.view.gl && povgen.tour.tour.step") == -1
-    page.close()
-
-
-def test_for_a_projector_one_slider_is_left(page):
-    page.get_by_role("button", name="More").click()
-    page.get_by_role("button", name="Present").click()
-    expect(page.get_by_role("button", name="Leave", exact=True)).to_be_focused()
-    expect(page.locator("input[type=range]:visible")).to_have_count(1)
-    large = page.evaluate("parseFloat(getComputedStyle($('sentence')).fontSize)")
-    page.mouse.move(300, 300)
-    expect(page.locator("#pointer")).to_be_visible()
-    page.keyboard.press("Escape")
-    expect(page.locator("#slider-alpha")).to_be_visible()
-    assert large > page.evaluate("parseFloat(getComputedStyle($('sentence')).fontSize)")
-    expect(page.locator("#pointer")).to_be_hidden()
 
 
 def test_for_a_projector_a_question_is_beside_the_picture(page):
+    """And there is a pointer. Escape closes one thing after the other."""
     page.evaluate("openQuestion(0)")
     page.set_viewport_size({"width": 1280, "height": 720})
     size = "parseFloat(getComputedStyle($('ask')).fontSize)"
     small = page.evaluate(size)
     page.get_by_role("button", name="More").click()
     page.get_by_role("button", name="Present").click()
+    expect(page.get_by_role("button", name="Leave", exact=True)).to_be_focused()
     assert page.evaluate(size) > max(24, 1.3 * small)
     for part, seen in (("#ask", True), ("#reveal", True), ("#stage", True), (".slider", False), (".player", False)):
         expect(page.locator(part).first).to_be_visible(visible=seen)
     picture, question = (page.locator(part).bounding_box() for part in ("#stage", "#ask"))
     assert question["x"] > picture["x"] + picture["width"] - 1 and picture["width"] > 400
-    page.keyboard.press("Escape")
+    page.mouse.move(300, 300)
+    expect(page.locator("#pointer")).to_be_visible()
+    page.evaluate("$('delete-work').showPopover()")
+    for presenting in (True, False):
+        page.keyboard.press("Escape")
+        expect(page.locator("#pointer")).to_be_visible(visible=presenting)
+    expect(page.locator("#delete-work")).to_be_hidden()
 
 
 def test_dark_is_the_users_choice(page):
@@ -156,6 +161,9 @@ def test_dark_is_the_users_choice(page):
     page.emulate_media(color_scheme="dark")
     page.wait_for_function("document.documentElement.dataset.look === 'dark'")
     dark = page.evaluate(ground)
+    page.emulate_media(media="print")
+    assert page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--pane')") == "#eef3f6"
+    page.emulate_media(media="screen")
     page.evaluate("$('dark').click()")
     assert page.evaluate(ground) == light != dark
     page.emulate_media(color_scheme="light")
@@ -261,9 +269,11 @@ def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     ):
         page.get_by_label(name, exact=True).fill(str(value))
         assert colours_beside(page) == seen, (name, value)
+    page.get_by_label("it shows all around").check()
     page.locator("#photo").set_input_files({"name": "no.png", "mimeType": "image/png", "buffer": b"no"})
     expect(page.locator("#room-message")).to_have_text("This file is not a picture that the browser can read.")
     page.get_by_role("button", name="Mountains").click()
+    expect(page.get_by_label("it shows all around")).not_to_be_checked()
     page.get_by_role("button", name="Your room").click()
     page.get_by_role("button", name="More").click()
     assert np.abs(picture(page) - before).mean() < 1

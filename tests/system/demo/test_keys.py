@@ -1,4 +1,4 @@
-"""Keys, accessibility and layout of the teaching page."""
+"""Keys of the teaching page, where the focus is, and what is spoken."""
 
 import re
 

@@ -79,8 +79,11 @@ def test_what_is_measured_lies_on_the_curve(measure):
 
 
 def test_who_does_not_see_the_picture_measures_too(measure):
-    show(measure, alpha=90)
+    show(measure, alpha=180, z1=6)
+    expect(measure.locator("#overlay .say")).to_have_count(0)  # it would say what the window shows
+    show(measure, alpha=90, z1=2, caption=True)
     expect(measure.locator("#sentence")).to_be_empty()  # it would say the result
+    expect(measure.locator("#overlay .caption")).not_to_contain_text("ν")
     expect(measure.locator("#plot-nu .curve")).to_have_attribute("d", "")
     measure.get_by_role("button", name="Put A, B and C on the piece").press("Enter")
     measure.evaluate("draw()")
@@ -91,6 +94,7 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     expect(measure.locator("#sentence")).to_be_empty()
     measure.get_by_role("button", name="Show the answer").press("Enter")
     expect(measure.locator("#sentence")).to_contain_text("turned by 18.4°")
+    expect(measure.locator("#overlay .caption")).to_contain_text("ν = 18.4°")
     show(measure, alpha=91)
     expect(measure.locator("#sentence")).to_be_empty()
     show(measure, alpha=90)

@@ -65,9 +65,10 @@ def test_povrays_movie_is_shown_at_the_same_value(browser, tmp_path, monkeypatch
     page, faults = opened(browser, file, "?bench#scene=chess&sheet=ideal&alpha=60")
     expect(page.locator("#message")).to_contain_text("frames a second")
     button = page.get_by_role("button", name="POV-Ray’s picture")
+    page.evaluate("change({ compare: 'none' })")  # there is no curtain before a movie
     button.click()
     page.wait_for_function("$('video').currentTime > 0 && !$('video').seeking")
-    assert page.evaluate("[state.sheet, state.alpha]") == ["detailed", 60]
+    assert page.evaluate("[state.sheet, state.alpha, state.compare]") == ["detailed", 60, "off"]
     where = page.evaluate("$('video').currentTime / $('video').duration")
     assert where == pytest.approx((60 / 180 * 48 + 0.5) / 49, abs=0.01)  # frame 16 of 49
     page.evaluate("player.seek(1)")

@@ -181,7 +181,7 @@ def test_without_webgl_the_page_says_so(browser, demo_file):
     page.get_by_label("Language").select_option("de")
     expect(page.locator("#message")).to_contain_text("braucht WebGL 2")
     page.get_by_role("button", name="Mehr").click()
-    for name, seen in (("save", False), ("record", False), ("copy-link", True)):
+    for name, seen in {"save": False, "room-open": False, "show-depth": False, "copy-link": True}.items():
         expect(page.locator(f"#{name}")).to_be_visible(visible=seen)
     page.close()
 
@@ -198,6 +198,8 @@ def test_red_and_cyan_glasses_show_depth(page):
     assert np.abs(left - right).mean() > 6
     show(page, depth=False)
     assert page.evaluate("view.scene.eyes") == 0
+    # who puts on glasses at a question keeps them
+    assert page.evaluate("openQuestion(0), change({ depth: true }), openQuestion(1), openQuestion(-1), state.depth")
 
 
 def test_another_size_shows_the_picture_until_it_is_drawn_anew(page):

@@ -62,11 +62,13 @@ def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_f
 
 def test_it_does_not_begin_for_who_has_begun(browser, demo_file):
     """Before the picture is ready. It is when the piece that it shows has been read, not all."""
-    begin = "$('tab-measure').click(); view.ready.then(() => (window.read = Object.keys(view.shapes.fields).length))"
+    begin = "$('tab-measure').click(); window.poster = getComputedStyle($('poster')).display"
+    begin += "; view.ready.then(() => (window.read = Object.keys(view.shapes.fields).length))"
     page = browser.new_page(reduced_motion="no-preference")
     page.add_init_script(f"addEventListener('DOMContentLoaded', () => {{ {NAMES}; {begin}; }})")
     page.goto(demo_file.as_uri())
-    assert page.evaluate("view.ready.then(() => [tour.step, Boolean(view.gl), read])") == [-1, True, 1]
+    found = page.evaluate("view.ready.then(() => [tour.step, Boolean(view.gl), read, poster])")
+    assert found == [-1, True, 1, "none"]
     page.close()
 
 
@@ -129,9 +131,16 @@ def test_it_begins_at_the_level_of_experts_too(page):
 
 
 def test_who_moves_something_takes_over(tour):
-    """They see the picture again, with the sheet of this step. Who takes over in the view of the light, stays there."""
-    tour.evaluate("tour.go(1); draw()")
+    """They see the picture again, with the sheet of this step. Who takes over in the view of the light, stays there.
+
+    Who wears glasses, keeps them.
+    """
+    tour.evaluate(
+        "tour.leave(); change({ depth: true, position: true }); tour.start(); tour.paused = true; tour.go(1); draw()"
+    )
+    assert tour.evaluate("[state.depth, state.position]") == [True, False]
     tour.locator("#number-z1").fill("3")
+    assert tour.evaluate("[state.depth, state.position]") == [True, True]
     shown = tour.evaluate("[tour.step, state.z1, state.sheet, state.large, state.light]")
     assert shown == [-1, 3, "single", False, "ray"]
     tour.evaluate("draw()")
@@ -154,9 +163,19 @@ def test_a_step_waits_until_its_picture_can_be_drawn(tour):
 
 
 def test_an_address_takes_over(tour):
-    tour.evaluate("location.hash = '#alpha=33&z1=7'")
+    tour.evaluate("location.hash = '#question=near'")
     tour.wait_for_function("tour.step < 0")
-    assert tour.evaluate("[state.alpha, state.z1]") == [33, 7]
+    assert tour.evaluate("[state.question, session.explored.alpha]") == [1, 30]
+
+
+def test_the_teachers_panel_begins_with_what_the_page_showed_before(tour):
+    """There, keys move nothing behind it."""
+    tour.get_by_role("button", name="For teachers").click()
+    for key in ("p", "q"):
+        tour.keyboard.press(key)
+    assert tour.evaluate("[tour.step, state.alpha, state.sheet, state.question]") == [-1, 30, "ideal", -1]
+    tour.keyboard.press("Escape")
+    expect(tour.get_by_role("dialog")).to_be_hidden()
 
 
 def test_with_reduced_motion_each_step_waits(tour):

@@ -188,6 +188,9 @@ def test_a_prediction_is_drawn_and_compared(page):
     assert answer.startswith("Counter-clockwise.")
     assert drawn.startswith("Your drawing was turned by 40.0°, and 1 times as large")
     assert drawn.endswith("What is seen is turned by 15.0°, and 1.13 times as large.")
+    page.evaluate("work.answers.sky = { given: null, first: null, shown: true }; fromHash('#question=sky'); draw()")
+    expect(page.locator("#drawn-answer")).to_be_empty()  # nothing was drawn there
+    page.evaluate("openQuestion(1); draw()")
     page.get_by_role("button", name="Predict by drawing").click()
 
 
@@ -205,8 +208,10 @@ def test_votes_are_counted(page):
     for field, votes in zip(page.locator("#votes input").all(), ("12", "3", "5"), strict=True):
         field.fill(votes)
     assert page.locator("#votes output").all_text_contents() == ["60%", "15%", "25%"]
-    page.evaluate("openQuestion(2); openQuestion(1); draw()")
+    page.evaluate("openQuestion(2); openQuestion(1); change({ alpha: 5 }); draw()")
     assert page.locator("#votes output").all_text_contents() == ["60%", "15%", "25%"]
+    page.evaluate("dispatchEvent(new StorageEvent('storage', { key: povgen.kept.key() })); draw()")
+    assert page.evaluate("state.alpha") == 5  # work in another window asks nothing anew
     page.get_by_role("button", name="Vote again").click()  # after a discussion
     expect(page.locator("#votes input").first).to_be_focused()
     for field, votes in zip(page.locator("#votes input").all(), ("18", "2", "0"), strict=True):
@@ -281,6 +286,7 @@ def test_questions_of_ones_own_are_a_link(page):
     old = json.dumps({"ask": "a?", "choices": ["b", "c"], "why": "", "before": "#sheet=none", "after": "#alpha=9"})
     page.evaluate("(text) => fromHash(`#own=${encodeURIComponent(text)}`)", old)  # of an earlier version
     assert page.evaluate("[ask(QUESTIONS[state.question]), state.sheet]") == ["a?", "none"]
+    assert page.evaluate("openQuestion(-1), fromHash(toHash()), state.question") == -1  # it need not be open
     many = json.dumps([["a", "", "", "", *"b" * 21]])
     for wrong in (
         link[:-1],
@@ -292,7 +298,8 @@ def test_questions_of_ones_own_are_a_link(page):
         page.evaluate("(link) => { fromHash(link); draw(); }", wrong)
         assert page.evaluate("[state.question, QUESTIONS.length]") == [-1, 23]
         expect(page.locator("#sentence")).to_contain_text("The link is not complete: its questions are missing.")
-    page.evaluate("openQuestion(0); draw(); document.querySelector('[aria-controls=own]').click()")
+    page.locator("#tab-questions").click()  # the question that was open last is gone
+    page.evaluate("draw(); document.querySelector('[aria-controls=own]').click()")
 
 
 def test_an_input_ends_the_movement_to_the_answer(page):
