@@ -6,6 +6,7 @@ import { $, refresh } from "./data.js";
 import { say } from "./language.js";
 import { player } from "./player.js";
 import { change, state } from "./state.js";
+import { tour } from "./tour.js";
 
 const TILES = 0.05;   // for a degree
 const PATIENCE = 1500;  // ms until the phone must have said how it is tilted
@@ -20,6 +21,7 @@ const seenFrom = ({ beta, gamma }) => times(turn(radians(screen.orientation?.ang
 function follow(event) {
   if (event.beta === null) return;
   clearTimeout(timer);
+  if (tour.step >= 0) return;  // it moves the eye itself
   first ??= { tilt: seenFrom(event), E: state.E };
   player.pause();
   change({ E: plus(first.E, scaled(TILES, minus(seenFrom(event), first.tilt))) });
