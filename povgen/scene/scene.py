@@ -28,6 +28,7 @@ from povgen.optics.equations import real
 from povgen.optics.opening import Opening
 from povgen.optics.paths import Image, Paths
 from povgen.optics.rays import AT_ONCE, Bundle, Traced
+from povgen.optics.trace import End
 from povgen.optics.window_trace import trace_windows
 from povgen.record import Record, in_use, info
 from povgen.sheets.layered import Layered
@@ -43,6 +44,7 @@ class Scene(Model):
 
     name: ClassVar[str]
     subject: ClassVar[str]
+    in_turn: ClassVar[bool] = False  # whether light is to pass every window, one after another
     rim: ClassVar[float] = RIM  # width of a window frame's sides, tiles
 
     wavelength: Annotated[float, Field(ge=180, le=10000)] | Literal["white"] = Field(
@@ -206,8 +208,9 @@ class Scene(Model):
     ) -> Traced:
         """Follow rays through the windows, exactly: through prisms and ideal sheets. Objects do not stop them.
 
-        Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. If `partial`, a
-        generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
+        Positions are in tiles. A ray ends after it has met `max_faces` faces of prisms or lenses. Where windows stand
+        one behind the other (`Chess`, `Spheres`), rays that do not pass every window end as `End.BESIDE`. If `partial`,
+        a generator of random numbers, is given, a face that refracts light also reflects a part of it (`optics.trace`).
         Otherwise reflection is only total. With `path`, the result has the rays' whole paths: their `corners`, optical
         `length`, `jones` matrices and a `table`. With `device="gl"`, the graphics library follows rays through prisms
         and lenses, with numbers of 32 bits: for at most 1000 steps from face to face in a window, and `faces` is empty.
@@ -220,7 +223,13 @@ class Scene(Model):
             raise ValueError("device = 'gl': keeps no path, and splits no rays; allowed: without partial and path")
         # not imported above: scenes do not depend on rendering
         follow = import_module("povgen.rendering.gl_rays").follow if device == "gl" else None
-        return trace_windows(rays, self.openings, max_faces, partial, as_flag("path", path), follow)
+        openings = self.openings
+        found = trace_windows(rays, openings, max_faces, partial, as_flag("path", path), follow)
+        if self.in_turn:
+            passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(openings))
+            found.end[(found.end <= End.BACK) & ~passed] = End.BESIDE
+            found.designed &= found.end == End.THROUGH
+        return found
 
 
 @lru_cache(maxsize=4)  # they need up to 16 MB

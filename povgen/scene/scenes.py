@@ -13,7 +13,6 @@ from itertools import combinations
 from math import hypot
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
 
-from numpy.random import Generator
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -35,8 +34,7 @@ from povgen.objects.pedestal import Pedestal
 from povgen.objects.piece import Piece
 from povgen.objects.scene_object import SceneObject
 from povgen.objects.sphere import Sphere
-from povgen.optics.rays import AT_ONCE, Bundle, Spot, Traced, checked_count, joined, pencil, spot
-from povgen.optics.trace import End
+from povgen.optics.rays import AT_ONCE, Bundle, Spot, checked_count, joined, pencil, spot
 from povgen.scene import checks
 from povgen.scene.files import files_in
 from povgen.scene.predictions import Predicted
@@ -65,6 +63,7 @@ class Standing(NamedTuple):
 class AxialScene(Predicted):
     """A scene whose windows stand one behind the other on one axis."""
 
+    in_turn: ClassVar[bool] = True
     if TYPE_CHECKING:  # each scene defines L of its first object, and L and z1 of every one; L is projected onto z = 0
 
         @property
@@ -103,21 +102,6 @@ class AxialScene(Predicted):
         count = checked_count("count", count, AT_ONCE)
         radius = self.aperture / 2 if radius is None else radius
         return joined(pencil(self.openings, point, count, middle, radius, seed))
-
-    def trace(
-        self,
-        rays: Bundle,
-        max_faces: int = 60,
-        partial: Generator | None = None,
-        path: bool = False,
-        device: Literal["numpy", "gl"] = "numpy",
-    ) -> Traced:
-        """Follow rays as `Scene.trace` does. Rays that do not pass every window end as `End.BESIDE`."""
-        found = super().trace(rays, max_faces, partial, path, device)
-        passed = found.met_each_in_turn(rays.direction[..., 2] > 0, len(self.sheets))
-        found.end[(found.end <= End.BACK) & ~passed] = End.BESIDE
-        found.designed &= found.end == End.THROUGH
-        return found
 
     @input_errors()
     def spot(
