@@ -15,6 +15,7 @@ import imageio.v3 as iio
 import nbformat
 import notebook  # docs/notebook.py
 import pytest
+import reference  # docs/reference.py
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
@@ -266,9 +267,5 @@ def test_the_room_of_the_page():
     assert {scene.with_numbers({"right.pitch": 40}) for scene in spec.scenes("draft")} == {names["room"]}
 
 
-def test_the_tables_of_the_kinds_of_sheets_and_objects():
-    """docs/kinds.md and docs/objects.md are what docs/kinds.py writes."""
-    import kinds
-
-    assert kinds.PAGE.read_text("utf-8") == kinds.page()
-    assert kinds.OBJECTS_PAGE.read_text("utf-8") == kinds.objects_page()
+def test_the_reference_is_made_from_the_code():
+    assert reference.PAGE.read_text("utf-8") == reference.page(), "run make docs/reference.md"
