@@ -27,6 +27,7 @@ PROJECT = Path(__file__).parents[1]
 # the pages of each part, in the order of the menu
 CONTENTS = {
     "Begin": [
+        "docs/tutorial",
         "docs/terms",
         "docs/reference",
         "docs/install",
