@@ -31,6 +31,7 @@ CONTENTS = {
         "docs/terms",
         "docs/reference",
         "docs/install",
+        "docs/troubleshooting",
         "docs/usage",
         "docs/page",
         "docs/own",

@@ -21,6 +21,7 @@ from nbclient import NotebookClient
 
 from povgen import Chess, MovieSpec, Room
 from povgen.cli.app import COMMANDS
+from povgen.cli.report import SYMPTOMS
 
 PAGES = [
     *(PROJECT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG", "CODE_OF_CONDUCT", "SECURITY")),
@@ -99,6 +100,18 @@ def test_links_lead_somewhere(page):
         path = (page.parent / target).resolve() if target else page
         assert "://" not in link and path.exists() and path.is_relative_to(PROJECT), link
         assert not anchor or anchor in headings(path), link
+
+
+def test_the_code_names_pages_and_headings_that_exist():
+    """In comments and in messages. An address of docs/troubleshooting.md is made by `remedies.page`."""
+    files = [path for kind in ("py", "js", "toml", "j2") for path in (PROJECT / "povgen").rglob(f"*.{kind}")]
+    code = "\n".join(path.read_text() for path in files)
+    named = set(re.findall(r"\b(docs/[\w/.-]+\.(?:md|csv|py))(?:#([\w-]+))?", code))
+    named |= {("docs/troubleshooting.md", symptom) for symptom in re.findall(r"""remedies\.page\(["']([\w-]+)""", code)}
+    named |= {("docs/troubleshooting.md", symptom) for symptom in SYMPTOMS.values()}
+    assert len(named) > 15
+    for page, anchor in named:
+        assert (PROJECT / page).exists() and (not anchor or anchor in headings(PROJECT / page)), (page, anchor)
 
 
 def test_every_page_can_be_reached_from_the_readme():
