@@ -29,6 +29,7 @@ CONTENTS = {
     "Begin": [
         "docs/tutorial",
         "docs/terms",
+        "docs/cheatsheet",
         "docs/reference",
         "docs/install",
         "docs/troubleshooting",
@@ -42,6 +43,7 @@ CONTENTS = {
         "docs/gallery",
         "docs/lesson",
         "docs/worksheet",
+        "docs/model",
         "docs/seminar",
         "docs/adding",
     ],
