@@ -26,37 +26,43 @@ from povgen.video import encode
 PROJECT = Path(__file__).parents[1]
 # the pages of each part, in the order of the menu
 CONTENTS = {
-    "Begin": [
+    "Learn": [
         "docs/tutorial",
-        "docs/terms",
-        "docs/cheatsheet",
-        "docs/reference",
+        "docs/lesson",
+        "docs/worksheet",
+        "docs/model",
+        "docs/seminar",
+    ],
+    "How to": [
         "docs/install",
         "docs/troubleshooting",
         "docs/usage",
         "docs/page",
         "docs/own",
-        "docs/python",
         "docs/rooms",
+        "docs/gallery",
+        "docs/python",
         "docs/examples",
         "docs/rays",
-        "docs/gallery",
-        "docs/lesson",
-        "docs/worksheet",
-        "docs/model",
-        "docs/seminar",
+        "docs/cluster",
         "docs/adding",
     ],
-    "The physics": [
-        "docs/sheets",
-        "docs/beyond",
-        "docs/light",
-        "docs/tolerances",
-        "docs/lenticulars",
+    "Reference": [
+        "docs/terms",
+        "docs/cheatsheet",
+        "docs/reference",
         "docs/figures/README",
         "docs/errata",
     ],
-    "What is measured": ["docs/accuracy", "docs/speed", "docs/cluster"],
+    "Explanation": [
+        "docs/sheets",
+        "docs/beyond",
+        "docs/light",
+        "docs/lenticulars",
+        "docs/tolerances",
+        "docs/accuracy",
+        "docs/speed",
+    ],
     "The project": [
         "CONTRIBUTING",
         "docs/architecture",
@@ -92,6 +98,7 @@ SETTINGS = {
 # below it.
 CSS = """
 table.docutils code { white-space: normal; overflow-wrap: normal; }
+#options td:first-child code { white-space: nowrap; }
 video { width: 100%; aspect-ratio: 13 / 11; object-fit: contain; object-position: top; background: #222; }
 article a { text-decoration: underline; }
 """
