@@ -210,7 +210,9 @@ HEADSET = """async (apart) => {
   const matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
   const eyes = [-1, 1].map((side, k) => ({
     transform: { matrix, position: { x: (side * apart) / 2 / (0.3 / 0.063), y: 0, z: 0 } },
-    projectionMatrix: [(2 * z2) / width, 0, 0, 0, 0, (2 * z2) / height, 0, 0, (-side * apart) / width, 0, -1, -1, 0, 0, 0, 0],
+    projectionMatrix: [
+      (2 * z2) / width, 0, 0, 0, 0, (2 * z2) / height, 0, 0, (-side * apart) / width, 0, -1, -1, 0, 0, 0, 0,
+    ],
     viewport: { x: k * (canvas.width >> 1), y: 0, width: canvas.width >> 1, height: canvas.height },
   }));
   const session = {
