@@ -9,6 +9,7 @@ import { drawDiagram } from "./diagram.js";
 import { placeHandles } from "./handles.js";
 import { drawKept, page } from "./handouts.js";
 import { chooseUsual, say, spoken } from "./language.js";
+import "./headset.js";
 import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
 import { moment } from "./moment.js";
