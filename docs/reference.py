@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from importlib import import_module
-from inspect import getdoc
+from inspect import getdoc, isclass
 from pathlib import Path
 
 import click
@@ -100,7 +100,8 @@ def sheets() -> str:
         if kind is OwnLaw or not issubclass(kind, Ideal):
             return "the user's" * (kind is OwnLaw)
         file = kind.__module__.replace(".", "/") + ".py"
-        return f"`{kind.law}`" if len(str(kind.law)) < LONG else f"[{Path(file).name}](../{file})"
+        law = str(kind.law).replace(" * ", "*").replace(" / ", "/")
+        return f"`{law}`" if len(law) < LONG else f"[{Path(file).name}](../{file})"
 
     rows = (
         [f"`{kind.name}`", kind.does, ", ".join(f"`{each.name}`" for each in kind.parameters), law(kind), kind.source]
@@ -148,7 +149,8 @@ def python() -> str:
     """Return the table of public names, with the first sentence of each docstring."""
 
     def about(value: object) -> str:
-        return " ".join((getdoc(value) or "").partition("\n\n")[0].split())
+        first = " ".join((getdoc(value) or "").partition("\n\n")[0].split())
+        return first if isclass(value) else first.partition(". ")[0].removesuffix(".")
 
     rows = ([f"`{name}`", about(getattr(povgen, name))] for name in povgen.__all__ if not name.startswith("_"))
     return f"{PYTHON}\n" + table("name | it is", rows)
