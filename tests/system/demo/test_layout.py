@@ -7,7 +7,7 @@ from playwright.sync_api import expect
 
 from demo.conftest import bounds, opened, show, touch
 from povgen.liveview.languages import tables
-from povgen.page.page import ALL_KINDS, KINDS
+from povgen.page.address import ALL_KINDS, KINDS
 
 SIZES = some([(1280, 720), (390, 844), (899, 580), (640, 360), (844, 390), (320, 568), (1920, 1080)], 2)
 LANGUAGES = some(["en", "ar", *sorted({*tables(ALL_KINDS)} - {"en", "ar"})], 2)
