@@ -276,7 +276,7 @@ function drawVotes(question) {
 }
 
 // What a class has voted and answered: a row for each choice, or for the number that was typed.
-function answersTable() {
+export function answersTable() {
   const head = ["name", "question", "answer", "right", "votes", "votes_2", "predicted", "first_try"];
   const rows = worked().flatMap((question) => {
     const { first, given } = work.answers[question.name] ?? {}, [votes = [], again = []] = work.votes[question.name] ?? [];
