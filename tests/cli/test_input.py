@@ -252,6 +252,10 @@ def test_options_that_a_shard_does_not_take(options, words, unmeasured, tmp_path
         (["figure", "1-6"], ["number = '1-6'", "1, 2, 3, 4, 5 or 6, with spaces between"]),
         (["verify", "--json", "x.txt"], ["json = 'x.txt'", ".json"]),
         (["demo", "--piece", "a,b"], ["piece = 'a,b'", "; give --piece once for each value\n"]),
+        (
+            ["demo", "--add", "none.toml"],
+            ["none.toml: no question, tour or lesson: No such file", "allowed: a TOML file\n"],
+        ),
         (["cache", "empty"], ["'empty'", "info or clear"]),
     ],
 )
