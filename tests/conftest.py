@@ -41,6 +41,19 @@ stop = 180
 """,
     "test",
 )
+# of a movie that renders fast
+SPEC = """
+title = "x"
+scene = "chess"
+frame_rate = 10
+frames = 8
+[fixed]
+sheet = "none"
+[[sweep]]
+parameter = "z2"
+start = 4
+stop = 6
+"""
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
 NAMES = "void Object.assign(window, povgen, ...Object.values(povgen))"  # makes a page's modules and exports global
 

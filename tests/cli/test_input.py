@@ -1,12 +1,8 @@
 """A value that is not allowed is refused: exit status 2, one or two lines that name it, and no file is touched."""
 
-import os
 import re
-import select
 import shlex
 import sys
-import threading
-import time
 import warnings
 
 import imageio_ffmpeg
@@ -565,24 +561,6 @@ def test_a_flag_in_a_spec_is_taken_back(tmp_path):
 def test_a_spec_with_a_byte_order_mark(tmp_path):
     (tmp_path / "spec.toml").write_text(SPEC, encoding="utf-8-sig")
     assert MovieSpec.load(tmp_path / "spec.toml") == MovieSpec.parse(SPEC, "spec")
-
-
-def test_a_fifo_into_which_nobody_writes_is_an_empty_spec(tmp_path):
-    os.mkfifo(tmp_path / "movie.toml")
-    assert "movie.toml: title: missing" in refused(["movie", "movie.toml"], tmp_path)
-    writes = os.open(tmp_path / "movie.toml", os.O_RDWR)  # as `povgen movie <(...)`
-    os.write(writes, b"title")
-
-    def close():
-        while select.select([writes], [], [], 0)[0]:  # the text has not been read yet
-            time.sleep(0.01)
-        os.write(writes, b" = 3")
-        os.close(writes)
-
-    thread = threading.Thread(target=close)
-    thread.start()
-    assert "movie.toml: title = 3" in refused(["movie", "movie.toml"], tmp_path)
-    thread.join()
 
 
 def test_what_to_cite_is_what_citation_cff_says(tmp_path):
