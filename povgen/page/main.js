@@ -33,7 +33,7 @@ function rewrite() {
   writeFailure();
   rewriteQuestion();
   drawRows();
-  for (const id of ["own-message", "copied", "room-message"]) $(id).textContent = "";
+  for (const id of ["spoken", "own-message", "copied", "room-message"]) $(id).textContent = "";
 }
 
 function drawPage() {

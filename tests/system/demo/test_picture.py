@@ -11,7 +11,7 @@ from playwright.sync_api import expect
 
 from demo.conftest import COARSE, WORK, centre, picture, pixels, show
 from povgen.optics import apparent
-from povgen.page.page import KINDS
+from povgen.page.address import KINDS
 
 
 def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
