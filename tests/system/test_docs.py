@@ -100,6 +100,9 @@ def test_links_lead_somewhere(page):
         path = (page.parent / target).resolve() if target else page
         assert "://" not in link and path.exists() and path.is_relative_to(PROJECT), link
         assert not anchor or anchor in headings(path), link
+    named = re.findall(r"`((?:tests|benchmarks|povgen|docs|templates)/[\w/.-]+\.\w+)`", page.read_text())
+    missing = [file for file in named if not (PROJECT / file).exists()]
+    assert not missing or page.stem in ("adding", "CHANGELOG")  # adding.md makes them
 
 
 def test_the_code_names_pages_and_headings_that_exist():
