@@ -19,6 +19,7 @@ from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.optics import uncertainty
+from povgen.page import rooms
 from povgen.progress import say
 from povgen.record import check_unasked, recorded_call, save
 from povgen.rendering.parallel import worker_count
@@ -117,6 +118,7 @@ def data(
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
         "volumes": stored(shapes or {}),
         "presets": presets,
+        "rooms": rooms.data([*shown]),
         "limits": {
             "condition": limits.MAX_CONDITION,
             "error": limits.MAX_ERROR,
