@@ -211,9 +211,9 @@ def test_movies_are_specs():
     eye = other.scenes("draft")
     said = {(scene.alpha, text[:3]) for scene, text in zip(side.scenes("draft"), side.texts("draft"), strict=True)}
     assert (90, "α =") in said and {text for alpha, text in said if alpha < 60} == {"sky"}
-    half = len(eye) // 2
-    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[half].eye[0]) == (-1, 1)
-    assert eye[half + 1 :] == eye[half - 1 : 0 : -1]
+    end = len(eye) // 2
+    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[end].eye[0]) == (-1, 1)
+    assert eye[end + 1 :] == eye[end - 1 : 0 : -1]
 
 
 @pytest.mark.release
