@@ -61,7 +61,7 @@ def smaller(code):
     code = code.replace('"quality": "draft"', '"quality": "draft", "size": (96, 72)').replace(
         "(3840, 2160)", "(96, 54)"
     )
-    return code.replace('quality="draft"', 'quality="draft", size=(96, 72)').replace("1_000_000", "20_000")
+    return code.replace('quality="draft"', 'quality="draft", size=(96, 72)')
 
 
 def commands(page):
