@@ -69,7 +69,8 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "ensure_ascii": False}  # a page is UTF-8
+    compact = {"sort_keys": False, "ensure_ascii": False, "separators": (",", ":")}  # a page is UTF-8
+    environment.policies["json.dumps_kwargs"] = compact
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     environment.filters["repr"] = repr
     environment.filters["sdl_name"] = _sdl_name

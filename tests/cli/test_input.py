@@ -214,8 +214,10 @@ def test_a_file_of_povgens_is_written_over(tmp_path):
         check_unasked([tmp_path / "a.csv"])
     (tmp_path / "a.html").write_text(to_html("page/index", page.data({}), "", [], fonts.encoded()))
     check_unasked([tmp_path / name for name in ("a.html", "missing")])
+    (tmp_path / "figure1.md").write_text("![A ray](figure1.png)\n")
+    check_unasked([tmp_path / "figure1.md"])
     docs = PROJECT / "docs"  # what earlier commands wrote
-    check_unasked([*docs.glob("tolerances/*.csv"), *docs.glob("stability/*.csv"), *docs.glob("figures/figure?.md")])
+    check_unasked([*docs.glob("tolerances/*.csv"), *docs.glob("stability/*.csv")])
     check_unasked((docs / "chart" / name for name in charts.FILES), docs / "chart/frames.csv")
 
 
@@ -249,6 +251,10 @@ def test_options_that_a_shard_does_not_take(options, words, unmeasured, tmp_path
         (["figure", "1-6"], ["number = '1-6'", "1, 2, 3, 4, 5 or 6, with spaces between"]),
         (["verify", "--json", "x.txt"], ["json = 'x.txt'", ".json"]),
         (["demo", "--piece", "a,b"], ["piece = 'a,b'", "; give --piece once for each value\n"]),
+        (
+            ["demo", "--add", "none.toml"],
+            ["none.toml: no question, tour or lesson: No such file", "allowed: a TOML file\n"],
+        ),
         (["cache", "empty"], ["'empty'", "info or clear"]),
     ],
 )
@@ -429,11 +435,11 @@ def test_a_movie_too_large_for_its_format_is_refused_before_a_frame_is_rendered(
     assert povgen([*wide, "--dry-run"], tmp_path)[0] == 0 == povgen([*wide[:-1], "a.gif", "--dry-run"], tmp_path)[0]
 
 
-def test_a_frame_rate_that_a_quality_makes_too_high(tmp_path, monkeypatch):
+def test_a_frame_rate_that_a_quality_makes_too_low(tmp_path, monkeypatch):
     monkeypatch.setattr("povgen.rendering.estimate.measured", lambda *_: (0, 0, 0, 0))
-    line = ["movie", "chess", "--sweep", "alpha=0:180", "--frame-rate=60", "--dry-run"]
-    assert "frame_rate = 60: 180 frames a second at quality = 'high'; allowed: 0.1 to 120" in refused(
-        [*line, "--quality=high"], tmp_path
+    line = ["movie", "chess", "--sweep", "alpha=0:180", "--frame-rate=0.1", "--dry-run"]
+    assert "frame_rate = 0.1: 0.08 frames a second at quality = 'draft'; allowed: 0.1 to 120" in refused(
+        [*line, "--quality=draft"], tmp_path
     )
     assert povgen([*line, "--quality=standard"], tmp_path)[0] == 0 == povgen([*line, "--quality=hd"], tmp_path)[0]
 

@@ -21,7 +21,7 @@ def test_what_is_measured(renderer, monkeypatch):
 
     def render(scene, text, runner, rendering):
         assert rendering.renderer == renderer and rendering.antialias is None and rendering.timeout == 7
-        assert text == "ViewHeight/360"
+        assert text == "ViewHeight/720"
         sizes.append(rendering.size)
         spent.append(COST.picture + COST.ray * rendering.size[0] * rendering.size[1])
         if renderer == "gl" and len(sizes) > 2:  # the processes have been started
@@ -108,8 +108,8 @@ def test_what_is_long(monkeypatch):
     measured = []
     monkeypatch.setattr(estimate, "measured", lambda scenes, rendering: measured.append(len(scenes)) or COST)
     many = [Chess(alpha=alpha) for alpha in range(100)]
-    assert estimate.if_long(many, Rendering()).startswith("100 frames of 480x360 pixels") and measured == [3]
-    assert estimate.if_long([Chess()], Rendering()) is None and measured == [3]
+    assert estimate.if_long(many, Rendering()).startswith("100 frames of 960x720 pixels") and measured == [3]
+    assert estimate.if_long([Chess()], Rendering(quality="draft")) is None and measured == [3]
     assert estimate.if_long([Chess()], Rendering(quality="high")) is None and measured == [3, 1]
 
     def fail(*_):
