@@ -304,6 +304,15 @@ class Rendering(Sampling):
         return ("+FE",) if self.is_light else super().format
 
     @property
+    def is_wide(self) -> bool:
+        """Whether texts and the side view stand beside the picture, so that all together have the asked size.
+
+        In a lower picture they would be too small.
+        """
+        width, height = self.size
+        return 2 * width >= 3 * height and height >= 480
+
+    @property
     def annotated(self) -> bool:
         """Whether povgen adds a caption, a note, an overlay or a side view to the rendered picture."""
         return self.caption in ("short", "full") or bool(self.note) or self.overlay or self.side_view
