@@ -148,9 +148,9 @@ lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the 
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[0-9]*.yml
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
 
-verify: $(VENV)/charts-ready | build  ## pictures against the equations, and where methods fail: tables; pages in build/, maps in docs/stability
-	$(POVGEN) verify --html build/verify.html
-	$(POVGEN) verify --stability --html build/stability.html -o docs/stability
+verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables, and maps in docs/stability
+	$(POVGEN) verify
+	$(POVGEN) verify --stability -o docs/stability
 
 chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/ready gl-deps | build  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > build/mitsuba.csv
