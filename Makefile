@@ -84,6 +84,7 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 	@mkdir -p docs/figures
 	$(POVGEN) figure 1 2 3 4 5 6 -o docs/figures
 	{ echo "# The figures of the paper"; echo; cat docs/figures/figure?.md; } > docs/figures/README.md
+	rm docs/figures/figure?.md
 
 gallery: $(GALLERY) $(PRINTED) docs/tolerances/errors.png docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
 
@@ -127,8 +128,8 @@ ray-pictures: $(VENV)/charts-ready $(VENV)/gl-ready gl-deps  ## the pictures of 
 docs/rooms/room.png: docs/rooms.md $(SOURCES) | $(READY)  ## the picture of the room on that page
 	sed -n "/^cat > room.toml/,/^END/{//!p}" $< | $(POVGEN) frame - --size 640x480 -o $@
 
-docs/kinds.md docs/objects.md: $(SOURCES) docs/kinds.py | $(READY)  ## tables of the kinds of sheets and of objects
-	$(VENV)/bin/python docs/kinds.py
+docs/reference.md: $(SOURCES) docs/reference.py | $(READY)  ## tables of options, sheets, objects, quantities and names, from the code
+	$(VENV)/bin/python docs/reference.py
 
 povgen/rendering/volumes.xz: templates/pieces/* templates/probes/crossings.pov.j2 | $(READY)  ## the shapes of povgen's own pieces, for the live view
 	$(VENV)/bin/python -c "from povgen.rendering import volumes; volumes.ship()"

@@ -13,7 +13,7 @@ from page_picture import ADDRESS
 from panels import PANELS
 
 from povgen import Chess, MovieSpec, live, to_pov
-from povgen.page.page import ALL_KINDS, KEPT
+from povgen.page.address import ALL_KINDS, KEPT
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES
 from povgen.sheets import PARAMETERS

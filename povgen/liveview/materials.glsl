@@ -80,9 +80,10 @@ Finish CardTexture(vec3 pigment) { return Finish(pigment, {{ materials.FINISHES.
 
 // ---- light.pov.j2 ----
 // Each of a pixel's rays asks for the shadow of one of the sun's lights; those at the ends of the row count half.
-{% set sun, fill = materials.SUN, materials.SKY_LIGHT %}
+{% set sun, sky, ground = materials.SUN, materials.SKY_LIGHT, materials.FLOOR_LIGHT %}
 const vec3 sunDirection = vec3({{ sun.direction }}), sunColour = vec3({{ sun.colour }}), sunRow = vec3({{ sun.row }});
-const vec3 fillDirection = vec3({{ fill.direction }}), fillColour = vec3({{ fill.colour }});
+const vec3 skyDirection = vec3({{ sky.direction }}), skyLight = vec3({{ sky.colour }});
+const vec3 groundDirection = vec3({{ ground.direction }}), groundLight = vec3({{ ground.colour }});
 uniform int rayNumber;
 
 vec3 shadowDirection() {

@@ -55,8 +55,9 @@ export const objects = (scene, names) => scene.objects ?? preset(scene).objects(
 export const floorY = (scene) => (scene.objects ? scene.floor_y : preset(scene).floorY(scene));
 
 // The eye, and the rectangle that the picture shows: its middle, unit vectors along its sides, its height. A room's eye looks at
-// the middle: `Eye.camera` in povgen/scene/room.py.
+// the middle: `Eye.camera` in povgen/scene/room.py. A headset's eyes have a camera of their own.
 export function camera(scene) {
+  if (scene.camera) return scene.camera;
   const [right, up, along] = AXES;
   if (!scene.objects) return { eye: [...scene.eye, -scene.z2], middle: [...scene.look, 0], right, up, height: scene.view };
   const { x, y, z, look_x, look_y, look_z, roll, view } = scene.eye, place = [x, y, z], middle = [look_x, look_y, look_z];

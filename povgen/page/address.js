@@ -5,10 +5,9 @@ import { pick } from "./data.js";
 import { choose, LANGUAGES, say, spoken } from "./language.js";
 import { end, isRevealed, MOST_CHOICES, ownQuestions, QUESTIONS, setOwn } from "./questions.js";
 import { scrambled, unscrambled } from "./scramble.js";
-import { change, CHOICES, inSeries, LOOKER, OPENING, partsShown, RANGES, session, START, state } from "./state.js";
+import { change, CHOICES, inSeries, LOOKER, OPENING, partsShown, RANGES, session, START, state, SWITCHES } from "./state.js";
 
 const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
-export const SWITCHES = ["position", "circles", "image", "caption", "depth", "stray", "large"];
 
 // The settings, without the level, which is whose page it is.
 export function settings() {

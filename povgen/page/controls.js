@@ -1,7 +1,6 @@
 // Inputs, tabs, marked quantities, and keys.
 
 import { hasPiece } from "../liveview/presets.js";
-import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { abs, finite, minus } from "./complex.js";
 import { $, clamped, data, element, on, refresh } from "./data.js";
@@ -11,7 +10,7 @@ import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, usesAlpha, WHOLE } from "./state.js";
+import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, SWITCHES, usesAlpha, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.

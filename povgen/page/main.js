@@ -9,6 +9,7 @@ import { drawDiagram } from "./diagram.js";
 import { placeHandles } from "./handles.js";
 import { drawKept, page } from "./handouts.js";
 import { chooseUsual, say, spoken } from "./language.js";
+import "./headset.js";
 import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
 import { moment } from "./moment.js";
@@ -33,7 +34,7 @@ function rewrite() {
   writeFailure();
   rewriteQuestion();
   drawRows();
-  for (const id of ["own-message", "copied", "room-message"]) $(id).textContent = "";
+  for (const id of ["spoken", "own-message", "copied", "room-message"]) $(id).textContent = "";
 }
 
 function drawPage() {

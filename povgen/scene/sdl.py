@@ -82,7 +82,7 @@ def _environment() -> Environment:
     formula = {head.partition("(")[0]: text for head, text in materials.FORMULAS.items()}
     environment.globals.update(
         version=__version__,
-        raw=_raw,
+        raw=lambda name: (PACKAGE / name).read_text("utf-8"),  # unchanged: braces in a script are not Jinja's
         rgb=rgb,
         parameter=_parameter,
         materials=materials,
@@ -92,11 +92,6 @@ def _environment() -> Environment:
         top=TALLEST,
     )
     return environment
-
-
-def _raw(name: str) -> str:
-    """Return the text of a file in povgen/ unchanged: braces in a script are not Jinja's."""
-    return (PACKAGE / name).read_text("utf-8")
 
 
 def _parameter(name: str, value: float, about: str, free: bool = True) -> str:

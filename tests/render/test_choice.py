@@ -134,7 +134,7 @@ def test_the_choice_in_python(monkeypatch):
     scene, options = cheapest(Chess(prisms=300), "2px", size=(160, 120), antialias="off")
     assert (scene.sheet, options) == ("ideal", {"size": (160, 120), "antialias": "off", "renderer": "povray"})
     assert cheapest(Chess(sheet="ideal"), "0.001px", antialias=(1, 0.3, 2))[0].sheet == "detailed"
-    assert cheapest(Chess(alpha=0), "5px")[0].sheet == "none"
+    assert cheapest(Chess(alpha=0), "5px", quality="draft")[0].sheet == "none"
     movie, options = cheapest([Chess(prisms=1000, alpha=alpha) for alpha in (0, 66)], "2px")  # as the command does
     assert [scene.sheet for scene in movie] == ["ideal", "ideal"] and options["antialias"] == "off"
     monkeypatch.setattr("povgen.rendering.auto._gl_can_draw", lambda *_: True)

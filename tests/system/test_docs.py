@@ -15,11 +15,13 @@ import imageio.v3 as iio
 import nbformat
 import notebook  # docs/notebook.py
 import pytest
+import reference  # docs/reference.py
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
 from povgen import Chess, MovieSpec, Room
 from povgen.cli.app import COMMANDS
+from povgen.cli.report import SYMPTOMS
 
 PAGES = [
     *(PROJECT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG", "CODE_OF_CONDUCT", "SECURITY")),
@@ -100,6 +102,18 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in headings(path), link
 
 
+def test_the_code_names_pages_and_headings_that_exist():
+    """In comments and in messages. An address of docs/troubleshooting.md is made by `remedies.page`."""
+    files = [path for kind in ("py", "js", "toml", "j2") for path in (PROJECT / "povgen").rglob(f"*.{kind}")]
+    code = "\n".join(path.read_text() for path in files)
+    named = set(re.findall(r"\b(docs/[\w/.-]+\.(?:md|csv|py))(?:#([\w-]+))?", code))
+    named |= {("docs/troubleshooting.md", symptom) for symptom in re.findall(r"""remedies\.page\(["']([\w-]+)""", code)}
+    named |= {("docs/troubleshooting.md", symptom) for symptom in SYMPTOMS.values()}
+    assert len(named) > 15
+    for page, anchor in named:
+        assert (PROJECT / page).exists() and (not anchor or anchor in headings(PROJECT / page)), (page, anchor)
+
+
 def test_every_page_can_be_reached_from_the_readme():
     reached, to_read = set(), [PAGES[0]]
     while to_read:
@@ -142,12 +156,13 @@ def test_every_command_is_documented():
 
 # The seminar's blocks run as a notebook, below.
 # test_adding_adds and test_the_notebook_runs run the others
+QUICK = ("README", "beyond", "errata")  # seconds
 WITH_BLOCKS = [p for p in PAGES if "python" in dict(blocks(p)) and p.name not in ("adding.md", "seminar.md")]
 
 
 @pytest.mark.parametrize(
     "page",
-    [WITH_BLOCKS[0], *(pytest.param(page, marks=pytest.mark.release) for page in WITH_BLOCKS[1:])],
+    [page if page.stem in QUICK else pytest.param(page, marks=pytest.mark.release) for page in WITH_BLOCKS],
     ids=name,
 )
 def test_a_pages_blocks_run(page, tmp_path, environment):
@@ -266,9 +281,5 @@ def test_the_room_of_the_page():
     assert {scene.with_numbers({"right.pitch": 40}) for scene in spec.scenes("draft")} == {names["room"]}
 
 
-def test_the_tables_of_the_kinds_of_sheets_and_objects():
-    """docs/kinds.md and docs/objects.md are what docs/kinds.py writes."""
-    import kinds
-
-    assert kinds.PAGE.read_text("utf-8") == kinds.page()
-    assert kinds.OBJECTS_PAGE.read_text("utf-8") == kinds.objects_page()
+def test_the_reference_is_made_from_the_code():
+    assert reference.PAGE.read_text("utf-8") == reference.page(), "run make docs/reference.md"
