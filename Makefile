@@ -107,8 +107,13 @@ docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(VENV)/gl-ready 
 povgen/page/poster.webp: | $(READY)
 	$(POVGEN) frame chess --quality high --sheet ideal --alpha 90 --piece knight --piece knight --x 0 --x 3.1 --z1 3 --z1 3 \
 	  --size 720x540 -o $(@:webp=png)
-	$(VENV)/bin/python -c "from PIL import Image; Image.open('$(@:webp=png)').convert('RGB').save('$@', quality=60, method=6)"
+	$(VENV)/bin/python -c "from PIL import Image; Image.open('$(@:webp=png)').convert('RGB').save('$@', quality=45, method=6)"
 	rm $(@:webp=png)
+# the mountains, for pictures and for the page
+povgen/inputs/mountains.jpg: | $(READY)
+	$(VENV)/bin/python docs/mountains.py -o $@
+povgen/liveview/mountains.webp: | $(READY)
+	$(VENV)/bin/python docs/mountains.py --width 2560 --quality 30 -o $@
 docs/gallery/page.png: docs/page_picture.py $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@
 

@@ -3,6 +3,7 @@
 
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { steppedEye } from "../liveview/presets.js";
+import { still } from "../liveview/readout.js";
 import { LiveView } from "../liveview/view.js";
 import { $, data, element, on, refresh } from "./data.js";
 import { brief, fixed, listed, say, separator } from "./language.js";
@@ -109,6 +110,7 @@ function end() {
 $("rooms").addEventListener("close", () => $("rooms").open || end());  // it may be open again
 $("rooms-open").addEventListener("click", () => {
   $("share-open").click();  // its sheet closes
+  $("share-open").focus();  // the dialog gives it back
   choose(Object.keys(data.rooms.examples)[0]);
 });
 $("rooms-choice").addEventListener("change", () => choose($("rooms-choice").value));
@@ -116,8 +118,12 @@ $("rooms-file").addEventListener("change", () => {
   take($("rooms-file").files[0]);
   $("rooms-file").value = "";
 });
-$("rooms-save").addEventListener("click", () => {
-  element("a", { href: `data:text/plain;charset=utf-8,${encodeURIComponent(textOf(open))}`, download: "room.toml" }).click();
+const save = (href, download) => element("a", { href, download }).click();
+$("rooms-save").addEventListener("click", () => save(`data:text/plain;charset=utf-8,${encodeURIComponent(textOf(open))}`, "room.toml"));
+$("rooms-picture").addEventListener("click", () => {
+  if (!view?.gl) return;
+  const { width, height } = view.canvas, wide = Math.max(1920, width);
+  save(still(view, wide, Math.round((wide * height) / width)).toDataURL("image/png"), "room.png");
 });
 addEventListener("dragover", (event) => event.dataTransfer?.types.includes("Files") && event.preventDefault());
 addEventListener("drop", (event) => {
