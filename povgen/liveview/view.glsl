@@ -157,11 +157,12 @@ vec4 colourOf(Seen seen) {
   Finish finish = finishOf(seen.hit.what, p);
   vec3 sun = normalize(sunDirection);
   float facing = dot(normal, sun);
-  vec3 light = vec3(finish.ambient) + fillColour * finish.diffuse * max(dot(normal, normalize(fillDirection)), 0.0);
+  vec3 around = skyLight * max(dot(normal, normalize(skyDirection)), 0.0) + groundLight * max(dot(normal, normalize(groundDirection)), 0.0);
+  vec3 light = vec3(finish.ambient) + finish.diffuse * around;
   vec3 highlight = vec3(0);
   if (facing > 0.0 && !shadowed(p + 0.004 * normal, shadowDirection())) {
     light += sunColour * finish.diffuse * facing;
-    // In POV-Ray a light without shadows, such as the fill light, makes no highlights.
+    // In POV-Ray a light without shadows, such as the sky's, makes no highlights.
     float mirrored = max(dot(normal, normalize(sun - seen.direction)), 0.0);
     highlight = sunColour * finish.specular * pow(mirrored, 1.0 / finish.roughness);
     if (finish.metallic) {  // the highlight has the metal's colour, except at grazing light

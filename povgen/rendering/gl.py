@@ -6,11 +6,9 @@ for each picture. While it draws, it writes lines with each further `part` of th
 picture it writes an empty object, or an `error`. Its `errno` is not null if the system gave one.
 """
 
-import base64
 import json
 import sys
 import time
-import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from io import BytesIO
@@ -22,11 +20,13 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 from PIL.Image import fromarray
+from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
 
 from povgen import stopping
 from povgen.inputs import hdr
 from povgen.rendering.light import packed, place
+from povgen.rendering.volumes import decoded
 
 # A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
 TILE = 1024  # pixels, a power of 2: the side of such a square
@@ -188,20 +188,21 @@ class Drawer:
         self.fields[key].use(1)
 
     def _pictures(self, files: dict[str, bytes]) -> None:
-        """Put the pictures of sky, floor and boards, PNG or Radiance files, into textures."""
+        """Put the pictures of sky, floor and boards, and the mountains, into textures."""
         self.pictures = {key: texture for key, texture in self.pictures.items() if key in files.items()}
         for key in files.items():
             if key not in self.pictures:
                 texture = self._texture(key[1])
                 texture.repeat_x, texture.repeat_y = True, key[0] == "floor"
                 self.pictures[key] = texture
-            self.pictures[key].use({"sky": 2, "floor": 3, "cards": 4}[key[0]])
+            self.pictures[key].use({"sky": 2, "floor": 3, "cards": 4, "mountains": 5}[key[0]])
 
     def _texture(self, file: bytes) -> Any:  # noqa: ANN401  (moderngl's)
         if file.startswith(hdr.MARK):
             light = hdr.read(file).astype(np.float16)
             return self.gl.texture(light.shape[1::-1], 3, light.tobytes(), alignment=1, dtype="f2")
-        with PngImageFile(BytesIO(file)) as image:
+        kind = JpegImageFile if file.startswith(b"\xff\xd8") else PngImageFile
+        with kind(BytesIO(file)) as image:
             return self.gl.texture(image.size, 3, image.tobytes(), alignment=1, internal_format=SRGB8)
 
 
@@ -219,9 +220,7 @@ def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
     `volume` has the fields of `volumes.Volume`. `grid` is the number of points along x, y and z. The script is
     povgen/liveview/pieceShape.js.
     """
-    steps = np.frombuffer(zlib.decompress(base64.b64decode(volume["data"])), np.uint8).reshape(grid[::-1])
-    stored = np.cumsum(steps, axis=0, dtype=np.uint8)
-    most = volume["most"]
+    stored, most = decoded(volume["data"], grid), volume["most"]
     return extend(np.where(stored == 255, np.inf, (stored.astype(float) - 128) / 127 * most), most)
 
 

@@ -14,7 +14,7 @@ COLOUR_MAPS = {
     "DarkTile": {"0.00": "0.20, 0.25, 0.23", "0.06": "0.085, 0.125, 0.115", "1.00": "0.055, 0.085, 0.078"},
     "Frame": {"0": "0.080, 0.032, 0.015", "1": "0.160, 0.066, 0.028"},
     "FurtherFrame": {"0": "0.020, 0.050, 0.085", "1": "0.040, 0.100, 0.165"},  # of the windows behind the first
-    "Plinth": {"0": "0.70, 0.70, 0.68", "0.08": "0.40, 0.42, 0.43", "1": "0.33, 0.35, 0.37"},
+    "Plinth": {"0": "0.86, 0.82, 0.75", "0.08": "0.58, 0.53, 0.46", "1": "0.54, 0.49, 0.42"},  # limestone
     "SphereColor": {
         "0.00": "1.00, 0.74, 0.00",
         "0.30": "0.95, 0.24, 0.01",
@@ -28,9 +28,6 @@ COLOUR_MAPS = {
         "0.33": "0.16, 0.36, 0.70",
         "0.71": "0.05, 0.16, 0.44",
     },
-    "RockPigment": {"0": "0.23, 0.31, 0.45", "1": "0.42, 0.44, 0.48"},
-    "SnowPigment": {"0": "0.55, 0.66, 0.83", "1": "1.00, 0.96, 0.90"},
-    "FoothillPigment": {"0": "0.66, 0.74, 0.80", "1": "0.27, 0.40, 0.38"},
     "PlainPigment": {
         "0": "0.66, 0.74, 0.80",
         "0.06": "0.36, 0.42, 0.42",
@@ -40,20 +37,21 @@ COLOUR_MAPS = {
 }
 LIP = "0.85, 0.58, 0.22"  # the metal at the frame's opening
 CARD_BACK = "0.55, 0.52, 0.48"  # the back and the edges of a board with a picture
-WOOD = {"0": "0.78, 0.70, 0.62", "0.4": "0.95, 0.92, 0.89", "1": "1"}  # factors of the piece's colour, sRGB
+# Late wood, 0, is thin and dark; early wood, 1, is wide and light. Factors of the piece's colour, sRGB
+WOOD = {"0": "0.78, 0.66, 0.54", "0.5": "0.93, 0.88, 0.82", "1": "1"}
 
 # ambient, diffuse, specular, roughness
 FINISHES = {
-    "floor": ("0.10", "0.72", "0.15", "0.03"),
-    "frame": ("0.12", "0.8", "0.5", "0.02"),
-    "lip": ("0.2", "0.55", "0.8", "0.04"),
-    "plinth": ("0.12", "0.75", "0.2", "0.03"),
-    "wood": ("0.14", "0.78", "0.7", "0.018"),
-    "card": ("0.22", "0.75", "0", "0.05"),
-    "sphere": ("0.15", "0.75", "0.5", "0.02"),
+    "floor": ("0.05", "0.72", "0.15", "0.03"),
+    "frame": ("0.05", "0.8", "0.5", "0.02"),
+    "lip": ("0.05", "0.55", "0.8", "0.04"),
+    "plinth": ("0.05", "0.75", "0.2", "0.03"),
+    "wood": ("0.05", "0.78", "0.7", "0.008"),
+    "card": ("0.05", "0.75", "0", "0.05"),
+    "sphere": ("0.05", "0.75", "0.5", "0.02"),
 }
 
-# x, y and z are a point's; for the sky, a direction's.
+# x, y and z are a point's.
 FORMULAS = {
     "StoneVein(x, y, z)": "abs(sin(1.3*x + 0.9*z + 1.9*sin(0.9*z - 0.5*x) + 0.9*sin(2.3*x + 1.7*z)"
     " + 0.35*sin(5.3*z - 4.1*x) + 0.15*sin(13*x + 9*z)))",
@@ -65,30 +63,25 @@ FORMULAS = {
     "PlinthShaft(H)": "0.88*H",
     "TrunkX(x, y, z)": "x - 1.45 + 0.16*sin(1.3*y) + 0.03*sin(5.1*y + 4*z)",
     "TrunkZ(y, z)": "z - 0.9 - 0.12*sin(1.9*y + 1)",
-    "Rings(x, y, z)": "0.5 + 0.36*sin(2*pi*21*Trunk(x, y, z) + 1.6*sin(2*pi*2.7*Trunk(x, y, z)))"
-    " + 0.14*sin(150*x + 5*sin(1.3*y))*sin(130*z + 4*sin(1.7*y))",
-    "Rise(x, y, z)": "y/sqrt(x*x + z*z + 1e-6)",
-    "Zigzag(T)": "1 - 2*abs(T - floor(T + 0.5))",
-    "Mountain(A)": "0.020 + 0.068*Zigzag(5*A - 0.274) + 0.050*Zigzag(11*A + 0.398) + 0.020*Zigzag(26*A + 0.127)"
-    " + 0.008*Zigzag(67*A + 0.318)",
-    "SnowLine(A)": "0.070 + 0.022*Zigzag(17*A) - 0.030*Zigzag(41*A + 0.191) + 0.012*Zigzag(97*A + 0.318)",
-    "Foothill(A)": "0.016 + 0.010*sin(7*pi*A + 2.5) + 0.005*sin(17*pi*A + 1) + 0.002*sin(43*pi*A)",
-    "Above(D)": "min(1, max(0, 0.5 + D/0.002))",
-    "Fold(A, D)": "min(1, max(0, 0.5 + 60*(Heights(A + D).x - Heights(A - D).x)))",
-    "Sunlit(A, R)": "Fold(A + 0.5*(Heights(A).x - R), 0.0013 + 0.08*(Heights(A).x - R))",
-    "FoothillHaze(x, y, z)": "min(1, max(0, Rise(x, y, z)/0.03))",
+    "Growth(R)": "2*pi*10*R + 1.3*sin(2*pi*1.7*R)",
+    "Late(G)": "pow(max(0, 0.5 + 0.5*sin(G + 0.8*sin(G))), 3)",
+    "Rings(x, y, z)": "0.95 - 0.85*Late(Growth(Trunk(x, y, z)))"
+    " + 0.05*sin(150*x + 5*sin(1.3*y))*sin(130*z + 4*sin(1.7*y))",
 }
 
 # The sun is low, but high enough that the frame's shadow does not fall on a piece at z1 = 2. It is a row of as many
 # point lights as `lights` says. `row` is the vector along the row, and `direction` points to the sun.
-SUN = {"direction": "-1000, 900, -500", "colour": "1.25, 1.06, 0.80", "row": "70, 50, 20", "lights": 7}
-SKY_LIGHT = {"direction": "900, 500, -1200", "colour": "0.11, 0.15, 0.22"}
+SUN = {"direction": "-1000, 640, -400", "colour": "1.75, 1.42, 1.00", "row": "70, 50, 20", "lights": 7}
+# These two cast no shadows. The floor sends some of the sun's light upwards.
+SKY_LIGHT = {"direction": "100, 1200, -300", "colour": "0.13, 0.19, 0.29"}
+FLOOR_LIGHT = {"direction": "800, -150, -700", "colour": "0.13, 0.11, 0.085"}
 # With distance, the floor's pattern fades into haze. `colour` is the haze's pigment: lit by SUN and SKY_LIGHT, it has
-# the colour of the foothills' lower ends. The nearness of a point is 1 - d/`distance`, with its distance d from the
+# the colour of the mountains' lower ends. The nearness of a point is 1 - d/`distance`, with its distance d from the
 # point of the floor below the window's centre. The pattern is absent at the nearness `gone`, and full at `whole`.
-FADE = {"distance": "120", "colour": "0.957, 1.208, 1.565", "gone": "0.1", "whole": "0.9"}
-# The upper ends of the foothills and of the mountains: (1 + sine of the angle above the horizon)/2.
-LAND_TOP, MOUNTAIN_TOP = "0.517", "0.584"
+FADE = {"distance": "120", "colour": "0.842, 1.050, 1.291", "gone": "0.1", "whole": "0.9"}
+# Rows of the panorama of mountains (docs/mountains.py) go from the sine `low` of the angle above the horizon to `high`.
+# It is shown up to the sine `whole`, and fades into the sky up to `gone`.
+PANORAMA = {"low": "-0.01", "high": "0.5", "whole": "0.35", "gone": "0.45"}
 
 
 def finish(name: str) -> str:

@@ -5,6 +5,7 @@ Only this module uses Jinja2.
 
 import re
 import sys
+from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
@@ -20,6 +21,7 @@ from povgen.errors import InputError
 from povgen.files import own_folder
 from povgen.inputs.fields import rgb
 from povgen.inputs.mesh import TALLEST
+from povgen.inputs.pictures import mountains
 from povgen.inputs.pieces import FILE_RADIUS, PieceFile
 from povgen.objects import OBJECTS
 from povgen.objects.scene_object import SceneObject
@@ -69,7 +71,8 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "ensure_ascii": False}  # a page is UTF-8
+    compact = {"sort_keys": False, "ensure_ascii": False, "separators": (",", ":")}  # a page is UTF-8
+    environment.policies["json.dumps_kwargs"] = compact
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     environment.filters["repr"] = repr
     environment.filters["sdl_name"] = _sdl_name
@@ -81,21 +84,17 @@ def _environment() -> Environment:
     formula = {head.partition("(")[0]: text for head, text in materials.FORMULAS.items()}
     environment.globals.update(
         version=__version__,
-        raw=_raw,
+        raw=lambda name: (PACKAGE / name).read_text("utf-8"),  # unchanged: braces in a script are not Jinja's
         rgb=rgb,
         parameter=_parameter,
         materials=materials,
+        mountains=mountains,
         formula=formula,
         objects={kind.drawn_as or kind.kind: kind.glsl for kind in OBJECTS.values() if kind.glsl},  # for shaders
         reach=FILE_RADIUS,
         top=TALLEST,
     )
     return environment
-
-
-def _raw(name: str) -> str:
-    """Return the text of a file in povgen/ unchanged: braces in a script are not Jinja's."""
-    return (PACKAGE / name).read_text("utf-8")
 
 
 def _parameter(name: str, value: float, about: str, free: bool = True) -> str:
@@ -130,6 +129,7 @@ def to_pov(
     """Return the scene in POV-Ray's language. Frames of a movie differ only in the values of `#declare` lines.
 
     The header has POV-Ray's command that renders the picture. `file` is the name of the .pov file in this command.
+    `povgen pov -o` also writes the pictures that the text names: without that of the mountains, there is sky alone.
     Options are the fields size, quality and antialias of `Rendering`.
 
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in POV-Ray's language (SDL) that
@@ -306,7 +306,8 @@ def to_html(
     and a `poster`, a WebP picture as base64, if it has one.
     """
     template = _environment().get_template(f"{page}.html.j2")
-    return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster)
+    panorama = b64encode((PACKAGE / "liveview/mountains.webp").read_bytes()).decode()
+    return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster, panorama=panorama)
 
 
 def bare(text: str) -> str:
