@@ -128,10 +128,9 @@ def to_pov(
 ) -> str:
     """Return the scene in POV-Ray's language. Frames of a movie differ only in the values of `#declare` lines.
 
-    The header has POV-Ray's command that renders the picture. `file` is the name of the .pov file in this command.
-    `povgen pov -o` also writes the pictures that the text names: without that of the mountains, there is sky alone.
+    The header has POV-Ray's command, with `file` as the .pov file's name. `povgen pov -o` also writes the pictures that
+    the text names: without that of the mountains, there is sky alone.
     Options are the fields size, quality and antialias of `Rendering`.
-
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in POV-Ray's language (SDL) that
     replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found`
     is the scene's survey (`povgen.scene.survey.survey`), if it is known already. If it is None, rays are traced.
