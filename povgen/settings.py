@@ -30,7 +30,7 @@ class Preset(NamedTuple):
 QUALITIES = {
     "draft": Preset((320, 240), ("1.5x", (1, 0.1, 2)), frames=0.8),
     # the paper's three movies are made in 5 minutes on two cores
-    "standard": Preset((960, 720), ("1.5x", (1, 0.1, 2)), movie_size=(440, 330)),
+    "standard": Preset((960, 720), ("1.5x", (1, 0.1, 2)), movie_size=(424, 318)),
     # players and editors expect 30 frames a second
     "high": Preset((960, 720), ("2x", (1, 0.1, 3)), frame_rate=30),
     "hd": Preset((1920, 1080), ("2x", (1, 0.1, 3)), frame_rate=30),
