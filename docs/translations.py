@@ -9,11 +9,11 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from povgen.liveview.languages import tables
-from povgen.page.page import ALL_KINDS
+from povgen.inputs.pieces import PIECES
+from povgen.page import items
 
 STYLE = "td, th { vertical-align: top; text-align: start; padding: 0.2em 0.6em; border-top: 1px solid #999; }"
-KNOWN = tables(ALL_KINDS)
+KNOWN = items.tables(items.load([], PIECES))
 
 
 def sentences(table: dict[str, Any], above: str = "") -> Iterator[tuple[str, str]]:

@@ -26,34 +26,43 @@ from povgen.video import encode
 PROJECT = Path(__file__).parents[1]
 # the pages of each part, in the order of the menu
 CONTENTS = {
-    "Begin": [
-        "docs/terms",
+    "Learn": [
+        "docs/tutorial",
+        "docs/lesson",
+        "docs/worksheet",
+        "docs/model",
+        "docs/seminar",
+    ],
+    "How to": [
         "docs/install",
+        "docs/troubleshooting",
         "docs/usage",
         "docs/page",
         "docs/own",
-        "docs/python",
         "docs/rooms",
+        "docs/gallery",
+        "docs/python",
         "docs/examples",
         "docs/rays",
-        "docs/gallery",
-        "docs/lesson",
-        "docs/worksheet",
-        "docs/seminar",
+        "docs/cluster",
         "docs/adding",
     ],
-    "The physics": [
-        "docs/sheets",
-        "docs/beyond",
-        "docs/light",
-        "docs/tolerances",
-        "docs/lenticulars",
-        "docs/kinds",
-        "docs/objects",
+    "Reference": [
+        "docs/terms",
+        "docs/cheatsheet",
+        "docs/reference",
         "docs/figures/README",
         "docs/errata",
     ],
-    "What is measured": ["docs/accuracy", "docs/speed", "docs/cluster"],
+    "Explanation": [
+        "docs/sheets",
+        "docs/beyond",
+        "docs/light",
+        "docs/lenticulars",
+        "docs/tolerances",
+        "docs/accuracy",
+        "docs/speed",
+    ],
     "The project": [
         "CONTRIBUTING",
         "docs/architecture",
@@ -89,6 +98,7 @@ SETTINGS = {
 # below it.
 CSS = """
 table.docutils code { white-space: normal; overflow-wrap: normal; }
+#options td:first-child code { white-space: nowrap; }
 video { width: 100%; aspect-ratio: 13 / 11; object-fit: contain; object-position: top; background: #222; }
 article a { text-decoration: underline; }
 """
@@ -126,8 +136,6 @@ def build(output: Path) -> None:
     with TemporaryDirectory() as folder:
         source = Path(folder)
         pages = {page.relative_to(PROJECT) for page in [*PROJECT.glob("*.md"), *PROJECT.glob("docs/**/*.md")]}
-        # the paper's captions are parts of docs/figures/README.md
-        pages = {page for page in pages if not re.fullmatch(r"figure\d", page.stem)}
         shown = exhibits()
         for page in pages:
             text = (PROJECT / page).read_text("utf-8")

@@ -49,8 +49,8 @@ def bar(what: str, total: int, quiet: bool = False, unit: str = "frames") -> Ite
     """
     if quiet:
         yield lambda: None
-    elif _in_notebook():
-        # rich would need ipywidgets
+    elif hasattr(sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None, "kernel"):
+        # in a Jupyter kernel, where rich would need ipywidgets
         shown = import_module("IPython.display").ProgressBar(total)
         shown.display()
 
@@ -102,9 +102,3 @@ def _on_terminal(what: str, total: int, parts: bool) -> Iterator[Callable[[float
 
 def _is_terminal() -> bool:
     return sys.stderr is not None and sys.stderr.isatty()
-
-
-def _in_notebook() -> bool:
-    """Whether this process is a Jupyter kernel."""
-    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
-    return hasattr(shell, "kernel")

@@ -1,4 +1,4 @@
-"""How to install what is missing: the command for this system, and for this installation of povgen."""
+"""How to mend what is missing: the command for this system and this installation, and what the documentation says."""
 
 import os
 import shlex
@@ -15,6 +15,11 @@ PACKAGES = {
     "conda": {"povray": "conda-forge::povray", "ffmpeg": "conda-forge::ffmpeg"},
 }
 CHECKOUT = Path(__file__).parents[1]
+
+
+def page(symptom: str) -> str:
+    """Return the address of a heading of docs/troubleshooting.md."""
+    return f"docs/troubleshooting.md#{symptom}"
 
 
 def system(what: str) -> str:

@@ -1,10 +1,8 @@
 """The base class of scenes and settings. It checks values, writes the one-line error, and fills help()."""
 
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from difflib import get_close_matches
-from functools import cache
 from inspect import Parameter, Signature, cleandoc
 from numbers import Complex, Real
 from typing import Any, Self, TypeGuard, get_type_hints
@@ -27,8 +25,6 @@ WORDS = {
     **dict.fromkeys(("bool_parsing", "bool_type"), "should be true or false"),
 }
 
-
-TEXTS = str, str | None, tuple[str, ...]  # types of fields that can be any text
 HIDDEN = {name for name in dir(BaseModel) if not name.startswith("_")} - {"model_dump"}
 
 
@@ -153,8 +149,6 @@ def _errors(model: type[BaseModel], values: Mapping[str, object] = {}) -> Iterat
                 wrong = "should not be true or false"
             elif any(isinstance(part, Set) for part in _parts(value)):
                 wrong = "should be in order: a list, not a set"
-            elif name not in _texts(model) and any(map(_has_underscore, _parts(value))):  # Python reads 1_0 as 10
-                wrong = "should be written without _"
             if wrong:
                 raise InputError(f"{name} = {shown(value)}: {wrong} ({field.description})")
     try:
@@ -175,18 +169,6 @@ def _parts(value: object, depth: int = 2) -> Iterator[object]:
     if depth and isinstance(value, Collection) and not isinstance(value, (str, bytes, Mapping)):
         for part in value:
             yield from _parts(part, depth - 1)
-
-
-@cache
-def _texts(model: type[BaseModel]) -> set[str]:
-    """Return the names of the fields that can be any text."""
-    return {name for name, kind in get_type_hints(model).items() if kind in TEXTS}
-
-
-def _has_underscore(value: object) -> bool:
-    """Return whether a text contains a number with an underscore, on its own or between the signs , x and =."""
-    numbers = re.split("[,x=]", value) if isinstance(value, str) else []
-    return any("_" in number and re.fullmatch(r"\s*[+-]?[0-9._]+(e[+-]?[0-9_]+)?\s*", number) for number in numbers)
 
 
 def as_flag(name: str, value: object) -> bool:

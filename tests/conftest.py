@@ -22,7 +22,7 @@ from povgen.cli import app
 from povgen.optics import paraxial
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
-from povgen.page.page import KINDS
+from povgen.page.address import KINDS
 from povgen.scene.scenes import SCENES
 
 PROJECT = Path(__file__).parents[1]
@@ -41,6 +41,19 @@ stop = 180
 """,
     "test",
 )
+# of a movie that renders fast
+SPEC = """
+title = "x"
+scene = "chess"
+frame_rate = 10
+frames = 8
+[fixed]
+sheet = "none"
+[[sweep]]
+parameter = "z2"
+start = 4
+stop = 6
+"""
 POVGEN = Path(sys.executable).with_name("povgen")  # the program
 NAMES = "void Object.assign(window, povgen, ...Object.values(povgen))"  # makes a page's modules and exports global
 
@@ -326,14 +339,15 @@ class Node:
         self.send(script)
 
     @classmethod
-    def of_page(cls, scenes=()):
-        """Return one with the modules of the teaching page, which also know the laws of scenes."""
+    def of_page(cls, scenes=(), added=()):
+        """Return one with the modules of the teaching page, which also know the laws of scenes, and added files."""
         from povgen.inputs.pieces import PIECES
         from povgen.liveview import scripts
         from povgen.page import page
         from povgen.scene.laws import to_live
 
-        return cls(page.data({name: name for name in PIECES}), scripts.script(*MODULES, laws=to_live(scenes)))
+        data = page.data({name: name for name in PIECES}, added=added)
+        return cls(data, scripts.script(*MODULES, laws=to_live(scenes)))
 
     def send(self, data):
         self.process.stdin.write(json.dumps(data) + "\n")

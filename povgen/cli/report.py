@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
+from povgen import remedies
 from povgen.objects.window import Window
 from povgen.progress import say
 from povgen.rendering import survey_cache
@@ -17,6 +18,16 @@ from povgen.sheets import PARAMETERS, SHEETS, USED_BY
 from povgen.sheets.layered import Layered
 from povgen.sheets.own import OwnLaw
 from povgen.sheets.sheet import Sheet
+
+# headings of docs/troubleshooting.md, by the names of the limits of povgen.scene.warnings
+SYMPTOMS = {
+    "z2": "little-to-see",
+    "window": "little-to-see",
+    "alpha": "dark-bands",
+    "sheet": "black-window-or-a-wrong-one",
+}
+SYMPTOMS |= dict.fromkeys(("prisms", "lenses", "periods"), "noise")
+SYMPTOMS |= dict.fromkeys(("predicted_image", "overlay", "caption"), "prediction-warning")
 
 
 def warn(values: Mapping[str, Any], scenes: Sequence[Scene], rendering: Rendering | None = None) -> None:
@@ -32,9 +43,10 @@ def warn(values: Mapping[str, Any], scenes: Sequence[Scene], rendering: Renderin
             found = dict(warnings(view, rendering, survey_cache.found(view) if rendering else None)) | found
         for limit, text in found.items():
             texts_by_limit.setdefault(limit, []).append(text)
-    for texts in texts_by_limit.values():
+    for limit, texts in texts_by_limit.items():
+        more = f"; {remedies.page(SYMPTOMS[limit])}" if limit in SYMPTOMS else ""
         also = f" (in {len(texts)} of {len(scenes)} frames)" if len(scenes) > 1 else ""
-        say(f"povgen: warning: {texts[0]}{also}")
+        say(f"povgen: warning: {texts[0]}{more}{also}")
 
 
 def warn_unused(values: Mapping[str, Any], scenes: Sequence[Scene]) -> None:

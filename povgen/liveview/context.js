@@ -157,14 +157,14 @@ export class Context {
     return (this.targets[name] = { width, height, framebuffer, textures: made });
   }
 
-  // Draw on a target, or on the canvas. `rows`: the first row, and how many.
-  draw(name, target, size, values, rows = [0, size[1]]) {
+  // Draw on a target, or on the canvas, from this corner. `rows`: the first row, and how many.
+  draw(name, target, size, values, rows = [0, size[1]], corner = [0, 0]) {
     const { gl } = this;
     this.use(name, values);
     gl.bindFramebuffer(gl.FRAMEBUFFER, target?.framebuffer ?? null);
-    gl.viewport(0, 0, ...size);
+    gl.viewport(...corner, ...size);
     gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(0, rows[0], size[0], rows[1]);
+    gl.scissor(corner[0], corner[1] + rows[0], size[0], rows[1]);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
@@ -190,7 +190,17 @@ export class Context {
     const all = [gl.canvas.width, gl.canvas.height];
     this.shown = [sum, size, rays];
     gl.bindTexture(gl.TEXTURE_2D, sum.textures[0]);
-    this.draw("display", null, all, { sum: 0, size, rays, canvas: all });
+    this.draw("display", null, all, { sum: 0, size, rays, canvas: all, corner: [0, 0] });
+  }
+
+  // Draw what an eye sees, in a picture of this size, on a part of another framebuffer.
+  drawEye(camera, size, framebuffer, canvas, corner) {
+    const { gl, scene } = this;
+    this.scene = { ...scene, camera, eyes: 0 };
+    const sum = this.addRay("eye", size, 0);
+    this.scene = scene;
+    gl.bindTexture(gl.TEXTURE_2D, sum.textures[0]);
+    this.draw("display", { framebuffer }, canvas, { sum: 0, size, rays: 1, canvas, corner }, undefined, corner);
   }
 
   // Show the last sum again: a browser keeps the canvas's pixels only until they have been shown.

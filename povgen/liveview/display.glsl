@@ -4,6 +4,7 @@ uniform sampler2D sum;
 uniform vec2 size;    // of the picture in `sum`, pixels
 uniform float rays;   // of each of its pixels
 uniform vec2 canvas;  // its size, pixels
+uniform vec2 corner;  // where it begins
 out vec4 result;
 
 vec4 light(ivec2 at) {
@@ -11,7 +12,7 @@ vec4 light(ivec2 at) {
 }
 
 void main() {
-  vec2 place = gl_FragCoord.xy / canvas * size - 0.5;
+  vec2 place = (gl_FragCoord.xy - corner) / canvas * size - 0.5;
   ivec2 at = ivec2(floor(place));
   vec2 part = place - floor(place);
   vec4 mean = mix(

@@ -9,14 +9,15 @@ async function inflated(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// The distances to the surface, in voxels, below 0 inside. The bytes hold distances up to `most`, each as the difference
-// to the one before along z. Farther away the field is extended.
+// The distances to the surface, in voxels, below 0 inside. The bytes hold distances up to `most`, each as the difference to the one
+// before along z, and in the second half to that of the mirrored point. Farther away the field is extended.
 export async function field({ data, most }, grid) {
-  const bytes = await inflated(data), layer = grid[0] * grid[1];
+  const bytes = await inflated(data), layer = grid[0] * grid[1], half = bytes.length / 2;
   const distances = Float32Array.from({ length: 256 }, (_, byte) => (byte === 255 ? Infinity : ((byte - 128) / 127) * most));
   const distance = new Float32Array(bytes.length);
   for (let k = 0; k < bytes.length; k++) {
-    if (k >= layer) bytes[k] += bytes[k - layer];  // modulo 256
+    const z = Math.floor(k / layer);
+    if (z) bytes[k] += bytes[k < half ? k - layer : k + (grid[2] - 1 - 2 * z) * layer];  // modulo 256
     distance[k] = distances[bytes[k]];
   }
   return extended(distance, grid, most);

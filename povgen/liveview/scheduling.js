@@ -68,6 +68,12 @@ export class Schedule {
     this.later();
   }
 
+  // Let others draw with the context, and nothing on the canvas meanwhile; with null, draw again.
+  lend(to) {
+    this.pending = to;
+    this.again();
+  }
+
   later() {
     if (!this.gl || this.asked) return;
     this.asked = true;

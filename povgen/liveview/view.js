@@ -101,6 +101,14 @@ export class LiveView extends Schedule {
     this.again();
   }
 
+  // Draw no more, and give the context back.
+  close() {
+    this.observers.forEach((observer) => observer.disconnect());
+    this.inSight = false;
+    this.canvas = this.canvas.cloneNode();  // so that nothing is told of what happens to the old one
+    this.context?.gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+
   start() {
     const gl = this.canvas.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
     // Rays are summed in textures of 32-bit numbers, or of 16-bit numbers, as on some phones.

@@ -61,7 +61,7 @@ PROFILES: dict[str, tuple[dict[str, Any], ...]] = {
         {"sheet": "lenticular", "lenses": 400, "f_number": 5, "alpha": 180},
     ),
     "thin lenticulars, wedges, Dove prisms as a profile": (
-        {"sheet": "profile", "alpha": 35},
+        {"sheet": "profile", "profile": "lenticulars", "alpha": 35},
         {"sheet": "profile", "profile": "wedges", "arrangement": "single"},
         {"sheet": "profile", "profile": "dove", "alpha": 90},
     ),

@@ -103,8 +103,8 @@ def _met(field: Complexes, k: Floats, after: Floats, n1: Floats, n2: Floats, gla
     reflects = n1 == n2
     normal = np.where(reflects[:, None], after - k, n2[:, None] * after - n1[:, None] * k)
     # along the normal, s is any direction across it
-    s = np.cross(k, normal)
-    s = np.where(np.linalg.norm(s, axis=-1, keepdims=True) > 1e-12, s, np.cross(k, _across(k)))
+    s, other = np.cross(k, normal), np.where(abs(k[..., :1]) < 0.7, [1.0, 0, 0], [0, 1.0, 0])  # not parallel to k
+    s = np.where(np.linalg.norm(s, axis=-1, keepdims=True) > 1e-12, s, np.cross(k, other))
     s = s / np.linalg.norm(s, axis=-1, keepdims=True)
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
     outside = np.where(reflects, np.where(n1 > 1, 1.0, glass), n2)
@@ -114,11 +114,6 @@ def _met(field: Complexes, k: Floats, after: Floats, n1: Floats, n2: Floats, gla
         r = np.where(reflects, r, np.sqrt(np.maximum(1 - abs(r) ** 2, 0)))
         changed = changed + (r[:, None] * behind)[..., None] * (before[..., None] * field).sum(-2, keepdims=True)
     return changed
-
-
-def _across(k: Floats) -> Floats:
-    """Return vectors that are not parallel to k (..., 3)."""
-    return np.where(abs(k[..., :1]) < 0.7, [1.0, 0, 0], [0, 1.0, 0])
 
 
 def table(corners: Floats, media: Floats, met: Indices) -> dict[str, NDArray[Any]]:

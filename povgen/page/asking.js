@@ -1,15 +1,14 @@
 // The panel of the questions: a class predicts and votes, and the page then shows the answer. Also a teacher's own questions.
 
 import { hasPiece } from "../liveview/presets.js";
-import { coded, fromHash, ownQuestion, settings, SWITCHES } from "./address.js";
+import { coded, fromHash, ownQuestion, settings } from "./address.js";
 import { $, element, pick, refresh, write } from "./data.js";
 import { keep, saveTable, work } from "./kept.js";
-import { percent, printed, readNumber, say, unbroken } from "./language.js";
-import { moment } from "./moment.js";
-import { compared, dashedOutline, isMatched, matching, numbersOf } from "./overlay.js";
+import { percent, printed, say, typedNumber, unbroken } from "./language.js";
+import { compared, dashedOutline, matching, misfit, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why } from "./questions.js";
-import { change, LOOKER, OPENING, session, state, WHOLE } from "./state.js";
+import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why, worked } from "./questions.js";
+import { change, LOOKER, OPENING, session, state, SWITCHES, WHOLE } from "./state.js";
 
 // Open a question with what the page shows before its answer. -1 goes back to what has been explored.
 export function openQuestion(n) {
@@ -40,7 +39,7 @@ export function askAnew(n) {
   change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, ...pick(state, ...LOOKER), question: n });
 }
 
-let asksForNumber = false;
+let refused = "";  // why what was typed is no answer
 
 const made = () => /** @type {string | null} */ (new FormData($("question-form")).get("prediction"));
 
@@ -48,17 +47,23 @@ const made = () => /** @type {string | null} */ (new FormData($("question-form")
 // is done stays as it is.
 export function reveal(done = false) {
   const question = QUESTIONS[state.question];
-  const given = question.goal ? String(done) : question.match ? String(isMatched(question)) : made();
+  const given = question.goal ? String(done) : question.match ? misfit(question) : made();
   session.drawn = question.match || question.goal ? null : session.dashed;
   work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
-  keep();
+  keepOwn(question);
   if (!done) glide(end(question));
+}
+
+// Keep the work, with the texts of a teacher's own question.
+function keepOwn({ own, name }) {
+  if (own) work.own[name] = pick(own, "ask", "choices");
+  keep();
 }
 
 // A challenge is done when the settings rest where its goal is.
 let resting = 0;
 function notice(question) {
-  const holds = () => question?.goal && question === QUESTIONS[state.question] && isAsked() && question.goal(moment());
+  const holds = () => question?.goal && question === QUESTIONS[state.question] && isAsked() && question.goal();
   clearTimeout(resting);
   if (holds()) resting = setTimeout(() => {
     if (!holds()) return;
@@ -128,7 +133,7 @@ export function drawQuestion() {
     $("prediction").replaceChildren(...(question.match || question.goal ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
     drawnQuestion = question;
-    asksForNumber = false;
+    refused = "";
   }
   $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });
   const tries = offered().map((k) => work.answers[QUESTIONS[k].name]?.first).filter((first) => typeof first === "boolean");
@@ -153,7 +158,7 @@ export function drawQuestion() {
     input.parentNode.classList.toggle("right", shown && input.type === "radio" && Number(input.value) === question.answer());
   }
   kept = null;
-  const said = element("p", {}, ...(shown ? answerText(question, prediction(n)) : asksForNumber ? [say("asking.number_first")] : []));
+  const said = element("p", {}, ...(shown ? answerText(question, prediction(n)) : [refused]));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
   write("drawn-answer", shown && session.drawn && !session.gliding ? compared(session.drawn) : "");
   $("previous").disabled = n === offered().at(0);
@@ -189,22 +194,30 @@ const numberInput = ({ name, tolerance }) => element("label", {}, element("input
 // Whether the class is right, the answer, and why.
 function answerText(question, given) {
   if (question.goal) return [element("strong", {}, say(`asking.${given === "true" ? "done" : "one_way"}`)), ` ${why(question)}`];
-  if (question.match) return [element("strong", {}, say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ` ${why(question)}`];
+  if (question.match) return [element("strong", {}, say(`asking.${given === "true" ? "matched" : "not_matched"}`, numbersOf(matching(question)))), ...reasons(question, given)];
   const right = question.answer();
   const number = question.tolerance && printed(String(Number(right.toFixed(Math.max(1, -Math.floor(Math.log10(question.tolerance)))))));
   const answer = choices(question)?.[right] ?? say("asking.value", { number, unit: say(`questions.${question.name}.unit`) });
   const said = say(`asking.${given ? (isRight(question, given) ? "yes" : "no") : "answer"}`, { answer });
-  return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ...[reason(question, given), why(question)].filter(Boolean).map((text) => ` ${text}`)];
+  return [element("strong", {}, said[0].toUpperCase() + said.slice(1)), ...reasons(question, given)];
+}
+const reasons = (question, given) => [reason(question, given), why(question)].filter(Boolean).map((text) => ` ${text}`);
+
+// Why a text is no answer to a question that asks for a number; "" if it is one.
+function refusal({ unit }, text) {
+  const { x, units, other } = typedNumber(text);
+  if (other || (units.length && !units.includes(unit))) return say("asking.unit", { text, unit: say(`units.${unit}`) });
+  return Number.isFinite(x) ? "" : say("asking.number_first");
 }
 
 $("question-form").addEventListener("submit", (event) => {
   event.preventDefault();
   if (!isAsked()) return;  // the panel shows a question that has been left, until the page is drawn
   const field = $("prediction").querySelector(".field");
-  asksForNumber = Boolean(field) && !Number.isFinite(readNumber(field.value));
-  if (!asksForNumber) reveal();
+  refused = field ? refusal(QUESTIONS[state.question], field.value) : "";
+  if (!refused) reveal();
   drawQuestion();
-  if (asksForNumber) field.focus();
+  if (refused) field.focus();
   else {
     ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
     $("answer").scrollIntoView({ block: "nearest" });
@@ -233,7 +246,7 @@ function drawVotes(question) {
   const rounds = work.votes[question.name] ?? [none()], given = rounds.at(-1);
   const count = () => {
     work.votes[question.name] = rounds;
-    keep();
+    keepOwn(question);
     refresh();
   };
   const rows = offers.map((choice, k) => {
@@ -263,12 +276,12 @@ function drawVotes(question) {
 }
 
 // What a class has voted and answered: a row for each choice, or for the number that was typed.
-function answersTable() {
+export function answersTable() {
   const head = ["name", "question", "answer", "right", "votes", "votes_2", "predicted", "first_try"];
-  const rows = QUESTIONS.filter(({ name }) => work.votes[name] || work.answers[name]).flatMap((question) => {
+  const rows = worked().flatMap((question) => {
     const { first, given } = work.answers[question.name] ?? {}, [votes = [], again = []] = work.votes[question.name] ?? [];
     const row = (text, k, made) => [question.name, ask(question), text, Number(isRight(question, k)), votes[k], again[k], Number(made), made && first !== null ? Number(first) : undefined];
-    return choices(question)?.map((text, k) => row(text, String(k), given === String(k))) ?? [row(given ?? "", given ?? "", Boolean(given))];
+    return choices(question)?.map((text, k) => row(text, String(k), given === String(k))) ?? [row(question.match ? String(given === "true") : given ?? "", given ?? "", Boolean(given))];
   });
   return [head, ...rows];
 }

@@ -1,7 +1,6 @@
 // Inputs, tabs, marked quantities, and keys.
 
 import { hasPiece } from "../liveview/presets.js";
-import { SWITCHES } from "./address.js";
 import { openQuestion } from "./asking.js";
 import { abs, finite, minus } from "./complex.js";
 import { $, clamped, data, element, on, refresh } from "./data.js";
@@ -11,7 +10,7 @@ import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
 import { isAsked } from "./questions.js";
-import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, usesAlpha, WHOLE } from "./state.js";
+import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, SWITCHES, usesAlpha, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
 // The sliders: their ends, and the functions from a slider's place to its value and back.
@@ -160,8 +159,10 @@ for (const input of document.querySelectorAll(".choice input")) {
 }
 for (const name of data.pieces) $("piece").append(new Option("", name));
 on("beyond", "change", () => {
+  const { value } = $("beyond");
   player.reset();
-  chooseBeyond($("beyond").value);
+  if (value in data.rooms.examples) Object.assign(session, { room: value, moved: {} });
+  else chooseBeyond(value);
 });
 for (const name of ["sheet", "sheet2"]) {
   on(`of-${name}`, "change", ({ target }) => {
@@ -350,7 +351,7 @@ const needs = (target, key) => target.matches("select, textarea, input:not([type
 
 document.addEventListener("keydown", (event) => {
   const { target, key } = event;
-  if (!$("shortcuts").checked || $("teach").open || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
+  if (!$("shortcuts").checked || document.querySelector("dialog[open]") || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
   const action = KEYS[key.toLowerCase()];
   if (!action) return;
   event.preventDefault();

@@ -128,7 +128,7 @@ function showRecording() {
 
 // ---- Print: a browser prints no WebGL, but a picture ----
 
-export const printed = $("print-picture");
+const printed = $("print-picture");
 addEventListener("beforeprint", () => {
   if (!view.gl || view.gl.isContextLost()) return;
   const { canvas } = view, { width, height } = canvas, copy = element("canvas", { width, height }), pen = copy.getContext("2d");
@@ -142,6 +142,6 @@ addEventListener("afterprint", () => printed.removeAttribute("src"));
 export function printPicture(prepare = () => {}) {
   dispatchEvent(new Event("beforeprint"));
   prepare();
-  printed.decode().catch(() => {}).then(() => print());
+  Promise.allSettled([printed, $("task-picture")].map((image) => image.decode())).then(() => print());
 }
 $("print").addEventListener("click", () => printPicture());

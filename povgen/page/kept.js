@@ -4,9 +4,9 @@ import { element } from "./data.js";
 import { localised, separator } from "./language.js";
 
 // Votes and answers are by the names of the questions. An answer: the last prediction; whether the first one was right, null if
-// the answer was shown without one; and whether it is shown.
-/** @type {{ rows: any[], votes: Record<string, number[][]>, answers: Record<string, { given: string | null, first: boolean | null, shown: boolean }> }} */
-export const work = { rows: [], votes: {}, answers: {} };
+// the answer was shown without one; and whether it is shown. `own`: the texts of a teacher's own questions among them.
+/** @type {{ rows: any[], votes: Record<string, number[][]>, own: Record<string, { ask: string, choices: string[] }>, answers: Record<string, { given: string | null, first: boolean | null, shown: boolean }> }} */
+export const work = { rows: [], votes: {}, answers: {}, own: {} };
 export const storage = { refused: false };
 
 export const key = () => `povgen ${location.pathname}`;
@@ -18,9 +18,9 @@ export function take() {
   try {
     kept = JSON.parse(globalThis.location && localStorage.getItem(key()));
   } catch { /* nothing has been kept, or the browser refuses */ }
-  const { rows = [], votes = {}, answers = {} } = kept ?? {};
+  const { rows = [], votes = {}, answers = {}, own = {} } = kept ?? {};
   work.rows.splice(0, Infinity, ...rows);
-  Object.assign(work, { votes, answers });
+  Object.assign(work, { votes, answers, own });
 }
 
 export function keep() {
@@ -46,7 +46,7 @@ export function saveTable(download, rows) {
 
 export function clear() {
   work.rows.splice(0);
-  Object.assign(work, { votes: {}, answers: {} });
+  Object.assign(work, { votes: {}, answers: {}, own: {} });
   keep();
 }
 

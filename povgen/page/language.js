@@ -94,7 +94,7 @@ const NUMBER = "[+-]?(?:\\d+\\.?\\d*|\\.\\d+)(?:e[+-]?\\d+)?";
 const TYPED = new RegExp(`^(${NUMBER})(?:\\s*/\\s*(${NUMBER}))?\\s*(.*)$`, "i");
 
 // What someone has typed: a number x with a decimal point or comma, or a fraction, in any digits, NaN if it is none; and of the
-// names in `units.typed`, those that the unit behind it can be, which may be half typed.
+// names in `units.typed`, those that the unit behind it can be, which may be half typed; and whether it is an `other` unit.
 export function typedNumber(text) {
   const plain = text.replace(/[\u200e\u200f\u061c\u2066-\u2069\u066c]/g, "").replace(/[\u0660-\u0669\u06f0-\u06f9]/g, (digit) => String(digit.charCodeAt(0) % 16))
     .replace(/[,\u060c\u066b]/g, ".").replace(/[−–]/g, "-");
@@ -102,7 +102,8 @@ export function typedNumber(text) {
   const begins = ([, words]) => words.toLowerCase().split(" ").some((word) => word.startsWith(unit));
   const known = [data.languages.en.units.typed, entry("units.typed")].flatMap(Object.entries);
   const units = unit ? known.filter(begins).map(([name]) => name) : [];
-  return { x: unit && !units.length ? NaN : Number(above) / Number(below), units };
+  const other = Boolean(unit && !units.length);
+  return { x: other ? NaN : Number(above) / Number(below), units, other };
 }
 export const readNumber = (text) => typedNumber(text).x;
 // Whether a text may become a number.

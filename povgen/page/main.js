@@ -9,6 +9,7 @@ import { drawDiagram } from "./diagram.js";
 import { placeHandles } from "./handles.js";
 import { drawKept, page } from "./handouts.js";
 import { chooseUsual, say, spoken } from "./language.js";
+import "./headset.js";
 import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
 import { moment } from "./moment.js";
@@ -16,6 +17,7 @@ import { drawOverlay, stage } from "./overlay.js";
 import { drawCompare, drawView, view, writeFailure } from "./picture.js";
 import { player, povray } from "./player.js";
 import "./room.js";
+import { drawRoom } from "./rooms.js";
 import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
@@ -32,7 +34,7 @@ function rewrite() {
   writeFailure();
   rewriteQuestion();
   drawRows();
-  for (const id of ["own-message", "copied", "room-message"]) $(id).textContent = "";
+  for (const id of ["spoken", "own-message", "copied", "room-message"]) $(id).textContent = "";
 }
 
 function drawPage() {
@@ -55,6 +57,7 @@ function drawPage() {
   player.draw(now);
   tour.draw();
   povray.draw();
+  drawRoom();
   if (tour.step >= 0) speak(now);
   later("speak", 900, () => speak(now));
   later("address", 400, keepAddress);
@@ -89,7 +92,7 @@ for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]
 
 // The browser's Back leads to what was shown before another one of these was chosen. All other changes, such as those of a slider, are
 // kept in the present entry of the browser's history.
-const chosen = () => JSON.stringify(pick(state, "scene", "sheet", "windows", "sheet2", "question", "level", "large"));
+const chosen = () => JSON.stringify({ ...pick(state, "scene", "sheet", "windows", "sheet2", "question", "level", "large"), room: session.room });
 
 export function keepAddress() {
   if (pressed) return later("address", 400, keepAddress);

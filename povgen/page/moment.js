@@ -24,7 +24,7 @@ export const otherScene = ({ scene, objects, d }) => ({ ...compared(scene), z1: 
 export const frameDepth = (scene) => Math.max(depth(scene), depth(compared(scene)));
 
 // The distance of two eyes, tiles, if a tile is some 20 cm: with a larger one, glasses show the mountains twice.
-const EYES = 0.3;
+export const EYES = 0.3;
 
 // The values of povgen's scene, for the live view. z1 and z2 are made large enough to keep object and eye out of the frame.
 export function sceneValues() {

@@ -178,9 +178,11 @@ function seenPiece() {
 
 const NEAR = { degrees: 2, share: 0.04 };  // a picture that lies on the outline, as an eye judges it
 
-export function isMatched(question) {
+// Whether the picture lies on the outline: "true", or the number of the reason why it does not.
+export function misfit(question) {
   const wanted = matching(question), { nu, M } = seenPiece();
-  return Math.abs(arg(turn(nu - wanted.nu))) < radians(NEAR.degrees) && Math.abs(M / wanted.M - 1) < NEAR.share;
+  if (!(Math.abs(arg(turn(nu - wanted.nu))) < radians(NEAR.degrees))) return "0";
+  return Math.abs(M / wanted.M - 1) < NEAR.share ? "true" : "1";
 }
 
 // A drawing beside what is seen, in words.

@@ -5,8 +5,7 @@ The page's text and scripts are in povgen/page/. It needs no network. POV-Ray's 
 
 import os
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -15,10 +14,11 @@ from povgen import fonts, limits
 from povgen.errors import InputError
 from povgen.files import checked_output
 from povgen.inputs.pieces import PIECES, Piece, PieceFile, radius
-from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.optics import uncertainty
+from povgen.page import items, rooms
+from povgen.page.address import ALL_KINDS, CHOICES, KEPT, PAGES, RANGES, SWITCHES
 from povgen.progress import say
 from povgen.record import check_unasked, recorded_call, save
 from povgen.rendering.parallel import worker_count
@@ -29,16 +29,11 @@ from povgen.scene.scenes import pieces as pieces_of
 from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering
-from povgen.sheets import OTHER, PARAMETERS, SHEETS, USED_BY
-from povgen.sheets.sheet import Parameter, Sheet
+from povgen.sheets.sheet import Sheet
 from povgen.validation import as_flag
 from povgen.video import build
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
-# the kinds of sheets that the page shows beyond the paper's: ideal ones, and sheets of lenses
-KINDS = {name: kind for name, kind in OTHER.items() if name != "law"}
-ALL_KINDS = {**KINDS, "lenticular": SHEETS["lenticular"]}
-KEPT = {"index", "glass", "design_wavelength", "gap", "error"}  # parameters that have their defaults on the page
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
@@ -47,6 +42,7 @@ def demo(
     output: str | Path | None = None,
     *,
     pieces: Piece | Sequence[Piece] = (),
+    add: str | Path | Sequence[str | Path] = (),
     sky: str | Path | None = None,
     floor: str | Path = "tiles",
     movies: bool = False,
@@ -56,7 +52,8 @@ def demo(
 ) -> Path:
     """Write the page, an .html file (by default demo.html), and return its path.
 
-    `pieces` are files of the user's own chess pieces, one or more. `sky` and `floor` are those of `Chess`. With
+    `pieces` are files of the user's own chess pieces, one or more. `add` are files with questions, challenges, tours
+    and lessons (docs/adding.md), one or more. `sky` and `floor` are those of `Chess`. With
     `movies`, POV-Ray's movies are rendered as well. Their names are the page's name and the movie's, as in
     demo-vary-alpha.mp4. `workers` pieces are measured at once, and as many frames rendered; `progress=False` shows no
     progress bar. Options are the fields of `Rendering`: `timeout` is also for each piece, the others are for the
@@ -66,7 +63,8 @@ def demo(
     own = pieces if isinstance(pieces, (list, tuple)) else [pieces]
     scenes = [Chess(piece=piece) for piece in (*PIECES, *own)]  # in one scene they would overlap
     first = {"chess": Chess(sky=sky, floor=floor), "spheres": Spheres(sky=sky)}
-    inputs = input_files([*scenes, *first.values()])
+    added: list[str | Path] = [add] if isinstance(add, (str, Path)) else [*add]
+    inputs: list[str | Path] = [*input_files([*scenes, *first.values()]), *added]
     page = checked_output("demo.html" if output is None else output, [".html"], inputs=inputs)
     workers, movies, progress = worker_count(workers), as_flag("movies", movies), as_flag("progress", progress)
     given: dict[str, Any] = options
@@ -79,6 +77,7 @@ def demo(
         build.checked_movie(file, specs[name].count(quality), specs[name].rate(quality), rendering, inputs)
     check_unasked([*files.values(), *([page] if output is None else [])])
     shown = {name: piece for scene in scenes for name, piece in pieces_of(scene).items()}
+    items.load(added, shown)  # before anything is measured
     shapes = volumes(shown, workers=workers, timeout=rendering.timeout, progress=progress)
     for name, piece in shown.items() if progress else ():
         if isinstance(piece, PieceFile) and piece.is_mesh:
@@ -88,7 +87,7 @@ def demo(
         build.movie(specs[name], file, workers=workers, progress=progress, **{"caption": "none", **given})
     presets = [_preset(name, spec, files.get(name), quality) for name, spec in specs.items()]
     laws = to_live()
-    made = data(shown, shapes, presets, first)
+    made = data(shown, shapes, presets, first, added)
     poster = "" if sky or str(floor) != "tiles" else b64encode((PACKAGE / "page/poster.webp").read_bytes()).decode()
     text = to_html("page/index", made, script("page/main.js", laws=laws), laws, fonts.encoded(), poster)
     save(text.encode(), page)
@@ -100,23 +99,26 @@ def data(
     shapes: Mapping[str, Volume] | None = None,
     presets: Sequence[object] = (),
     scenes: Mapping[str, AxialScene] | None = None,
+    added: Iterable[str | Path] = (),
 ) -> dict[str, object]:
-    """Return what the page's scripts read: its scenes, the pieces by their names, and the presets."""
+    """Return what the page's scripts read: its scenes, the pieces by their names, presets, and what a lesson has."""
+    shown_items = items.load(added, shown)
     return {
         "scenes": {name: values(scene) for name, scene in (scenes or {"chess": Chess(), "spheres": Spheres()}).items()},
         "faces": FACES,
-        "languages": languages.tables(ALL_KINDS),
+        "languages": items.tables(shown_items),
+        **{name: items.data(shown_items, name) for name in ("questions", "tours", "lessons")},
+        "choices": CHOICES,
+        "ranges": RANGES,
+        "switches": SWITCHES,
         "kinds": {name: _kind(kind) for name, kind in ALL_KINDS.items()},
-        "parameters": {
-            name: _parameter(several[0])
-            for name, several in PARAMETERS.items()
-            if {*USED_BY[name]} & {*ALL_KINDS} and name not in KEPT
-        },
+        "parameters": PAGES,
         "pieces": list(shown),
         "feet": {name: radius(piece) for name, piece in shown.items()},
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
         "volumes": stored(shapes or {}),
         "presets": presets,
+        "rooms": rooms.data([*shown]),
         "limits": {
             "condition": limits.MAX_CONDITION,
             "error": limits.MAX_ERROR,
@@ -134,16 +136,6 @@ def _kind(kind: type[Sheet]) -> dict[str, Any]:
         "sweep": kind.sweep,
         "opening": {each.name: each.default for each in kind.parameters if each.name not in KEPT} | {**kind.opening},
         "parameters": [each.name for each in kind.parameters if each.name not in KEPT],
-    }
-
-
-def _parameter(parameter: Parameter) -> dict[str, Any]:
-    """Return what the page needs to know of a parameter. If it has no limits, they are -100 and 100 on the page."""
-    return asdict(parameter) | {
-        "symbol": parameter.symbol or parameter.name.replace("_", " "),
-        "unit": parameter.unit.replace("degrees", "°").replace(" a ", "/"),
-        "least": -100 if parameter.least is None else parameter.least,
-        "most": 100 if parameter.most is None else parameter.most,
     }
 
 

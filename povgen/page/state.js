@@ -22,16 +22,10 @@ export const OPENING = {
   W: [0.5, 0.5],                                                 // the point of the window through which a chosen ray passes
   diagram: "picture", question: -1,                              // the diagram's orientation; the question, or -1
 };
-export const RANGES = {
-  ...Object.fromEntries(Object.entries(data.parameters).map(([name, { least, most }]) => [name, [least, most]])),
-  z1: [0.01, 5000], z2: [0.01, 150], prisms: [1, data.limits.prisms], windows: [1, 2], d: [0.01, 100], pupil: [0, 0.6], focus: [0.1, 1000],
-  alpha: [-180, 180], alpha2: [-180, 180],  // other angles turn light as one of these does
-};
+export const RANGES = data.ranges;
+export const CHOICES = { ...data.choices, piece: data.pieces };
+export const SWITCHES = data.switches;
 export const WHOLE = ["prisms", "windows", ...Object.keys(data.parameters).filter((name) => data.parameters[name].kind === "whole number")];
-const SHEETS = ["none", "single", "detailed", "ideal", ...Object.keys(data.kinds)];
-export const CHOICES = {
-  scene: ["chess", "spheres"], sheet: SHEETS, sheet2: ["same", ...SHEETS].filter((name) => name !== "lenticular"), diagram: ["picture", "paper"], light: ["ray", "pencil", "eye", "aim", "prism", "field"], level: ["simple", "expert"], compare: ["off", "none", "single", "detailed", "ideal"], piece: data.pieces,
-};
 // povgen refuses ideal sheets behind prisms.
 export const BEHIND_PRISMS = ["same", "single", "detailed"];
 const ASIDE = 10;           // |x| and |y| of L and E are at most this
@@ -61,6 +55,8 @@ export const session = {
   zoom: 1,            // and its size
   floor: true,        // whether there is one: the user's own room can do without
   twin: 0,            // where the piece stands a second time: x, tiles; 0: nowhere
+  room: "",           // a room in place of all this: an example's name, or its file, scrambled
+  moved: {},          // the numbers of its eye and its windows that were changed, as "left.alpha"
   marked: "",         // the quantity that is marked in the drawings
   pinned: "",         // the one that stays marked
 };

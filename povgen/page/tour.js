@@ -2,56 +2,45 @@
 // the button.
 
 import { radians } from "../liveview/geometry.js";
-import { SWITCHES } from "./address.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
-import { $, on, pick, refresh } from "./data.js";
-import { entry, say } from "./language.js";
+import { $, data, on, pick, refresh } from "./data.js";
+import { entry, isAngle, say } from "./language.js";
 import { view } from "./picture.js";
 import { player, reducedMotion } from "./player.js";
 import { CAMERAS } from "./space.js";
-import { change, LOOKER, OPENING, session, START, state } from "./state.js";
+import { change, LOOKER, OPENING, session, START, state, SWITCHES } from "./state.js";
 
 const KNIGHT = { ...OPENING, ...START.chess, prisms: 100, sheet: "ideal" };
-// The page opens with it: the effect, beside what there is. The poster is its first picture (page.py).
-const INTRO = { shows: { z1: 3 }, moves: { alpha: [90, 0] }, twin: 3.1, seconds: 8 };
-// What each step shows, what moves in it, from one value to another, the place of the window through which the knight stays to be seen,
-// and its length in seconds.
-const STEPS = [
-  { shows: { sheet: "none" }, seconds: 5 },
-  { shows: { sheet: "single", light: "prism", large: true, stray: false }, seconds: 11 },
-  { shows: { sheet: "single" }, seconds: 9 },
-  { shows: { sheet: "detailed", prisms: 12, large: true, stray: false }, moves: { alpha: [0, 66] }, seconds: 11 },
-  { shows: { sheet: "detailed" }, moves: { prisms: [12, 300] }, seconds: 8 },
-  { shows: {}, moves: { alpha: [0, 120] }, seconds: 10 },
-  { shows: { E: [0, -0.9], large: true }, moves: { z1: [0.6, 12] }, through: [0.3, -0.3], seconds: 15 },
-  { shows: {}, moves: { alpha: [120, 180] }, seconds: 7 },
-  { shows: { alpha: 180, light: "pencil", large: true }, seconds: 9 },
-  { shows: {}, seconds: 5 },
-];
+// Of each tour: what each step shows, what moves in it, from one value to another, the place of the window through which the knight stays to be seen,
+// where it stands a second time, and its length in seconds. A tour can begin with an intro: the page opens with that of the first one.
+const TOURS = data.tours;
 
 export const tour = {
-  step: -1, paused: false,
+  which: 0, step: -1, paused: false,
   asked: false,  // whether someone has started it
   passed: 0,     // seconds of this step
   before: null,  // what the page showed
   intro: false,  // whether this is not yet the first step
 
+  get steps() {
+    return TOURS[this.which].steps;
+  },
   get now() {
-    return this.intro ? INTRO : STEPS[this.step];
+    return this.intro ? TOURS[this.which].intro : this.steps[this.step];
   },
 
-  start(asked = false) {
+  start(asked = false, which = 0) {
     player.pause();
     this.before ??= { state: { ...state }, measuring: session.measuring };
     session.measuring = false;
     rewriteQuestion();  // a prediction that has been made comes back with its question
-    Object.assign(this, { asked, paused: reducedMotion.matches });
+    Object.assign(this, { asked, which, paused: reducedMotion.matches });
     this.go(0, !asked);
   },
 
   go(n, intro = false) {
-    if (n >= STEPS.length) return this.leave();
+    if (n >= this.steps.length) return this.leave();
     const running = this.step >= 0;
     Object.assign(this, { step: n, intro });
     this.passed = this.paused ? this.now.seconds : 0;  // who goes from step to step sees where each one ends
@@ -62,11 +51,11 @@ export const tour = {
 
   // Show the present step: what moves is at rest in the first and the last fifth.
   show() {
-    const { shows, moves = {}, through, twin = 0, seconds } = this.now;
+    const { shows, moves, through, twin, seconds } = this.now;
     const part = Math.min(1, Math.max(0, (this.passed / seconds - 0.2) / 0.6));
-    const between = (name, from, to) => (name === "alpha" ? from + (to - from) * part : from * (to / from) ** part);
+    const between = (name, from, to) => (isAngle(name) || from * to <= 0 ? from + (to - from) * part : from * (to / from) ** part);
     const moved = Object.entries(moves).map(([name, [from, to]]) => [name, between(name, from, to)]);
-    const values = { ...KNIGHT, ...pick(state, ...LOOKER), ...shows, ...Object.fromEntries(moved) };
+    const values = { ...KNIGHT, ...START[shows.scene], ...shows, ...pick(state, ...LOOKER), ...Object.fromEntries(moved) };
     if (through) values.L = plus(through, scaled(values.z1 / values.z2, times(turn(-radians(values.alpha)), minus(through, values.E))));
     change(values);
     session.twin = twin;
@@ -84,7 +73,7 @@ export const tour = {
       if (!this.paused) {
         if (!view.behind) this.passed += Math.min(0.5, Math.max(0, (time - last) / 1000));
         if (this.passed < this.now.seconds) this.show();
-        else if (this.step < STEPS.length - 1) this.next();
+        else if (this.step < this.steps.length - 1) this.next();
       }
       this.run(time);
     });
@@ -96,9 +85,12 @@ export const tour = {
 
   // What a screen reader speaks of this step.
   says: () => [say("tour.begun"), tour.text()],
-  text: () => (tour.intro ? say("tour.intro") : entry("tour.steps")[tour.step]),
+  text() {
+    const { intro, steps } = entry(`tours.${TOURS[tour.which].name}`);
+    return tour.intro ? intro : steps[tour.step];
+  },
 
-  seconds: () => STEPS.reduce((sum, { seconds }) => sum + seconds, 0),
+  seconds: () => tour.steps.reduce((sum, { seconds }) => sum + seconds, 0),
 
   // Go back to what the page showed before; or stay, where someone has taken over. The view of the light is `kept` too, if it is this
   // that they use.
@@ -123,22 +115,22 @@ export const tour = {
     $("tour").hidden = !on;
     if (!on) return;
     $("tour-text").textContent = this.text();
-    $("tour-count").textContent = this.intro ? "" : say("tour.count", { n: this.step + 1, count: STEPS.length });
+    $("tour-count").textContent = this.intro ? "" : say("tour.count", { n: this.step + 1, count: this.steps.length });
     $("tour-pause").textContent = say(this.paused ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
-    $("tour-next").textContent = say(this.step === STEPS.length - 1 ? "tour.done" : "asking.next");
+    $("tour-next").textContent = say(this.step === this.steps.length - 1 ? "tour.done" : "asking.next");
   },
 };
 
-function begin() {
-  tour.start(true);
+function begin(which) {
+  tour.start(true, which);
   tour.draw();
   $("tour-next").focus();  // the button is gone
 }
-$("tour-start").addEventListener("click", begin);
-$("tour-again").addEventListener("click", () => {
+$("tour-start").addEventListener("click", () => begin(0));
+for (const button of document.querySelectorAll("[name=tour]")) button.addEventListener("click", () => {
   $("share-open").click();  // its sheet closes
-  begin();
+  begin(Number(button.value));
 });
 $("tour-next").addEventListener("click", () => tour.next());
 on("tour-pause", "click", () => (tour.paused = !tour.paused));

@@ -6,11 +6,9 @@ for each picture. While it draws, it writes lines with each further `part` of th
 picture it writes an empty object, or an `error`. Its `errno` is not null if the system gave one.
 """
 
-import base64
 import json
 import sys
 import time
-import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from io import BytesIO
@@ -28,6 +26,7 @@ from PIL.PngImagePlugin import PngImageFile
 from povgen import stopping
 from povgen.inputs import hdr
 from povgen.rendering.light import packed, place
+from povgen.rendering.volumes import decoded
 
 # A picture is drawn in squares, so that it may be of any size. In this module, a tile is such a square, not a length.
 TILE = 1024  # pixels, a power of 2: the side of such a square
@@ -221,9 +220,7 @@ def field(volume: dict[str, Any], grid: Sequence[int]) -> NDArray[np.float64]:
     `volume` has the fields of `volumes.Volume`. `grid` is the number of points along x, y and z. The script is
     povgen/liveview/pieceShape.js.
     """
-    steps = np.frombuffer(zlib.decompress(base64.b64decode(volume["data"])), np.uint8).reshape(grid[::-1])
-    stored = np.cumsum(steps, axis=0, dtype=np.uint8)
-    most = volume["most"]
+    stored, most = decoded(volume["data"], grid), volume["most"]
     return extend(np.where(stored == 255, np.inf, (stored.astype(float) - 128) / 127 * most), most)
 
 

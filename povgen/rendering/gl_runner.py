@@ -155,7 +155,8 @@ class Runner:
             if answer["no_memory"]:
                 raise InputError(f"renderer = 'gl': too little memory to start it; {POVRAY}")
             raise InputError(
-                f"renderer = 'gl': no OpenGL by EGL: {one_line(answer['error'])}; {remedies.system('gl')}; {POVRAY}"
+                f"renderer = 'gl': no OpenGL by EGL: {one_line(answer['error'])}; {remedies.system('gl')}; {POVRAY}; "
+                f"{remedies.page('no-opengl')}"
             )
         return process, answer
 

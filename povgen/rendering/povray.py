@@ -191,7 +191,8 @@ def warn_of(pieces: Iterable[str | PieceFile]) -> None:
     """Log a warning, once, if POV-Ray is to read the text of a user's piece, and this system has no sandbox."""
     own = [str(piece) for piece in pieces if isinstance(piece, PieceFile) and not piece.is_mesh]
     if own and not sandbox.version():
-        _warn_once(f"piece = {shown(own[0])}: POV-Ray has no sandbox here (no Landlock); render only what you trust")
+        text = f"piece = {shown(own[0])}: POV-Ray has no sandbox here (no Landlock); render only what you trust"
+        _warn_once(f"{text}; {remedies.page('no-landlock')}")
 
 
 @cache

@@ -57,14 +57,12 @@ def fitted(scenes: Sequence[Scene], size: tuple[int, int]) -> list[Scene]:
     shape = size[0] / size[1]
     preset = [scene.default_view(0.9 * shape) for scene in scenes if isinstance(scene, AxialScene)]
     view = max(preset, default=0.0)
-    return [scene if shape >= 1 or _states_view(scene) else _seen_as(scene, view, shape) for scene in scenes]
-
-
-def _states_view(scene: Scene) -> bool:
-    return "view" in (scene.eye if isinstance(scene, Room) else scene).model_fields_set
+    return [scene if shape >= 1 else _seen_as(scene, view, shape) for scene in scenes]
 
 
 def _seen_as(scene: Scene, view: float, shape: float) -> Scene:
+    if "view" in (scene.eye if isinstance(scene, Room) else scene).model_fields_set:
+        return scene
     if isinstance(scene, Room):
         return scene.replace(eye=scene.eye.replace(view=scene.eye.view / shape))
     return scene.replace(view=view) if isinstance(scene, AxialScene) else scene

@@ -15,7 +15,7 @@ import json
 import lzma
 import sys
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import as_completed
 from pathlib import Path
 from typing import NamedTuple
@@ -38,6 +38,7 @@ MOST = 2.0  # distances up to this many voxels are stored
 SHIPPED = Path(__file__).with_name("volumes.xz")
 MAX_CROSSINGS = 1 << 24  # bytes of the file in which POV-Ray writes where lines meet surfaces; povgen's have below 2 MB
 
+Bytes = NDArray[np.uint8]
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
@@ -47,8 +48,7 @@ class Volume(NamedTuple):
 
     place: tuple[float, float, float, float]  # the first point, from the foot's centre, and the side of a voxel, tiles
     # A byte for each point is 128 + 127 * distance / most, at least 1 and at most 255. The distance is below 0 inside.
-    # Stored is the difference, modulo 256, from the byte of the point before it along z. x changes fastest, z slowest.
-    # All is compressed with zlib and written in base 64.
+    # x changes fastest, z slowest. `encoded` says how they are stored.
     data: str
     most: float = MOST  # the distance, in voxels, for which the byte is 255; the same byte means greater distances
 
@@ -122,9 +122,28 @@ def _measured(piece: str | PieceFile, source: str, runner: povray.Runner, timeou
         least = f"no solid part thicker than {place[3]:.2g} tiles, within {FILE_RADIUS:g} tiles of its axis"
         raise InputError(f"{name}: {least}; allowed: a closed piece that is thick enough")
     field = np.clip(np.round(128 + 127 * distance / MOST), 1, 255).astype(np.uint8).transpose(2, 1, 0)
-    steps = np.diff(field, axis=0, prepend=np.uint8(0))  # modulo 256
     x, y, z, side = place.tolist()
-    return Volume((x, y, z, side), base64.b64encode(zlib.compress(steps.tobytes())).decode())
+    return Volume((x, y, z, side), encoded(field))
+
+
+def encoded(field: Bytes) -> str:
+    """Return a field's bytes (z, y, x) as text: differences modulo 256, compressed with zlib, in base 64.
+
+    In the first half along z they are from the byte of the point before, in the second from that of the mirrored
+    point: most pieces have two equal halves.
+    """
+    half = len(field) // 2
+    steps = np.diff(field, axis=0, prepend=np.uint8(0))
+    steps[half:] = field[half:] - field[half - 1 :: -1]
+    made = zlib.compressobj(9, memLevel=6)  # less memory makes shorter blocks, and here less in all
+    return base64.b64encode(made.compress(steps.tobytes()) + made.flush()).decode()
+
+
+def decoded(data: str, grid: Sequence[int] = GRID) -> Bytes:
+    """Return the bytes (z, y, x) of an encoded field, as povgen/liveview/pieceShape.js does."""
+    steps = np.frombuffer(zlib.decompress(base64.b64decode(data)), np.uint8).reshape(grid[::-1])
+    front = np.cumsum(steps[: len(steps) // 2], axis=0, dtype=np.uint8)
+    return np.concatenate((front, steps[len(front) :] + front[::-1]))
 
 
 def _new(piece: str | PieceFile, source: str, key: str, runner: povray.Runner, timeout: float) -> Volume:

@@ -1,7 +1,6 @@
 """A user's files: TOML files that state a room or a movie, and the files that the values of a scene name."""
 
 import logging
-import os
 import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
@@ -48,11 +47,7 @@ def text_of(path: object, what: str, allowed: str, own: Path | None = None) -> t
     name = "standard input" if str(path) == "-" else str(path) or "''"
     try:
         file = file_of(path, own)
-        # with O_NONBLOCK, a FIFO into which nobody writes is opened at once, and is empty
-        number = file if isinstance(file, int) else os.open(file, os.O_RDONLY | os.O_NONBLOCK)
-        with open(number, "rb", closefd=isinstance(file, Path)) as opened:
-            if isinstance(file, Path):
-                os.set_blocking(number, True)
+        with open(file, "rb", closefd=isinstance(file, Path)) as opened:
             data = opened.read(MAX_BYTES + 1) or b""  # None: standard input that does not wait for text
         if len(data) > MAX_BYTES:
             raise ValueError(f"longer than {MAX_BYTES} bytes")

@@ -82,7 +82,7 @@ def light_of_object(scene: Scene) -> Floats:
     # rays beside the one to the eye: other places in the pupil, and other slopes
     x, y, sx, sy = np.vstack((np.zeros(4), _STEP * np.eye(4), -_STEP * np.eye(4))).T
     start = camera.eye + np.stack((x, y), -1) @ sides
-    middle = (position - _before(camera)) / far
+    middle = (position - complex(*(sides @ np.subtract(camera.eye, camera.middle)))) / far  # from straight ahead
     way = np.stack((middle.real + sx, middle.imag + sy), -1) @ sides + np.cross(*sides)
     for name in names:
         start, way = every.cross(every.names.index(name), start, way, framed=False)
@@ -106,12 +106,6 @@ def first_image(scene: Scene) -> tuple[Sequence[float], complex, Sequence[str]] 
         return (L.real, L.imag, scene.places[-1] + z1), position, [*scene.named_openings]
     seen = ((each.point, images[0]) for each, images in object_images(scene) if images and each.point is not None)
     return next(((tuple(point), image.position, image.windows) for point, image in seen), None)
-
-
-def _before(camera: Camera) -> complex:
-    """Return the place in the picture's plane, from its middle, that is straight before the eye."""
-    ahead = np.subtract(camera.eye, camera.middle)
-    return complex(ahead @ camera.right, ahead @ camera.up)
 
 
 def eyes(scene: Scene, jitter: ArrayLike, pixel: float) -> list[Scene]:

@@ -43,6 +43,7 @@ from povgen.scene.scene import SCENES as SCENES
 from povgen.scene.scene import Scene as Scene
 from povgen.scene.scene import checked_scene, classes
 from povgen.scene.scene import recorded as recorded
+from povgen.sheets import SHEETS
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import Model, as_flag
 
@@ -127,9 +128,11 @@ class AxialScene(Predicted):
 
     @model_validator(mode="after")
     def _check_eye_and_windows(self) -> Self:
+        if (angle := SHEETS[self.sheet].angle) is not None and "alpha" not in self.model_fields_set:
+            object.__setattr__(self, "alpha", angle)  # the model is frozen
         checks.check(self)
         if "view" not in self.model_fields_set:
-            object.__setattr__(self, "view", self.default_view())  # the model is frozen
+            object.__setattr__(self, "view", self.default_view())
         return self
 
 

@@ -71,7 +71,8 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "ensure_ascii": False}  # a page is UTF-8
+    compact = {"sort_keys": False, "ensure_ascii": False, "separators": (",", ":")}  # a page is UTF-8
+    environment.policies["json.dumps_kwargs"] = compact
     environment.filters["number"] = lambda x: f"{float(x):.15g}"
     environment.filters["repr"] = repr
     environment.filters["sdl_name"] = _sdl_name
@@ -83,7 +84,7 @@ def _environment() -> Environment:
     formula = {head.partition("(")[0]: text for head, text in materials.FORMULAS.items()}
     environment.globals.update(
         version=__version__,
-        raw=_raw,
+        raw=lambda name: (PACKAGE / name).read_text("utf-8"),  # unchanged: braces in a script are not Jinja's
         rgb=rgb,
         parameter=_parameter,
         materials=materials,
@@ -94,11 +95,6 @@ def _environment() -> Environment:
         top=TALLEST,
     )
     return environment
-
-
-def _raw(name: str) -> str:
-    """Return the text of a file in povgen/ unchanged: braces in a script are not Jinja's."""
-    return (PACKAGE / name).read_text("utf-8")
 
 
 def _parameter(name: str, value: float, about: str, free: bool = True) -> str:

@@ -26,7 +26,7 @@ MAX_FRAMES = 10000
 ROUNDING = 1e-9  # of times
 Title = Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")]
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]
-FRAMES = 61  # of a movie that does not state it
+FRAMES = 65  # of a movie that does not state it
 ROOM_TABLES = {"eye", "object", "window"}  # at least one of them makes a TOML file without a scene's name a room's
 
 
@@ -170,7 +170,7 @@ class MovieSpec(Model):
     title: Title = Field(description="the movie's title, one line of up to 200 characters")
     # pydantic takes the names from SCENES; mypy takes only names that are written out
     scene: Literal[*SCENES] = Field(description="the scene")  # type: ignore[valid-type]
-    frame_rate: FrameRate = Field(default=10, description="frames a second at quality standard, 0.1 to 120")
+    frame_rate: FrameRate = Field(default=15, description="frames a second at quality standard, 0.1 to 120")
     frames: Annotated[int, Field(ge=2, le=MAX_FRAMES)] | None = Field(
         default=None,
         description=f"number of frames from start to stop at quality standard, 2 to {MAX_FRAMES} (default {FRAMES}, "

@@ -26,7 +26,7 @@ class AxisRotation(Ideal):
         Parameter(
             "axis",
             "axis of rotation as X,Y,Z, to the right, up and away from the eye, each from -1 to 1, one at least 0.001",
-            (1.0, 0.0, 0.0),
+            (0.0, 1.0, 0.0),
             -1,
             1,
             kind="direction",
@@ -34,7 +34,8 @@ class AxisRotation(Ideal):
             symbol="a",
         ),
     )
-    opening = {"alpha": 20, "axis": (0, 1, 0)}
+    angle = 15  # at 66 degrees, most light would not pass
+    opening = {"alpha": angle}
     sweep = {"alpha": (-60, 60)}  # for larger angles it is dark
     law = Law(
         f"cos(alpha)*x - {_ACROSS}*(axis_y*z - axis_z*y) + {_ALONG}*axis_x,"

@@ -106,7 +106,7 @@ class ProfileSheets(Layered):
         Parameter(
             "profile",
             f"cross-section of a sheet: {', '.join(NAMES)}, or a TOML file",
-            "lenticulars",
+            "wedges",
             kind="profile",
         ),
         Parameter("periods", f"periods of the profile across the window, 1 to {MAX_PRISMS}", 100, 1, MAX_PRISMS,

@@ -86,6 +86,7 @@ class Sheet:
     rotates: ClassVar[bool] = False  # whether it turns light about the normal, and does no more
     layers: ClassVar[int] = 0  # how many sheets of prisms or lenses it consists of
     examples: ClassVar[tuple[Mapping[str, Any], ...]] = ({},)  # values for which `povgen verify` tests the sheet
+    angle: ClassVar[float | None] = None  # the default of alpha, degrees, if it is not that of `parameters`
     # values at the start on the teaching page; a parameter that is missing here has its default
     opening: ClassVar[Mapping[str, Any]] = {}
     # first and last value of each parameter in the teaching page's movies; default: the values of the paper's movies

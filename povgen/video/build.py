@@ -24,7 +24,7 @@ from povgen.rendering.views import fitted, views
 from povgen.scene.scene import Scene, checked_scenes
 from povgen.scene.scenes import input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
-from povgen.settings import Note, Options, Rendering
+from povgen.settings import Note, Options, Rendering, of_movie
 from povgen.validation import Model, as_flag, is_several
 from povgen.video import encode
 from povgen.video.side import MOST
@@ -231,6 +231,7 @@ def sequence(output: Path, frames: int) -> list[Path]:
 def movie_rendering(output: object, options: Mapping[str, object]) -> Rendering:
     """Return the rendering for a movie's file, or for numbered pictures. Raises as `rendering_for`."""
     suffix = as_path(output, [*encode.FORMATS, *PICTURES], "output").suffix.lower()
+    options = of_movie(options)
     rendering = rendering_for(output, options) if suffix in PICTURES else Rendering(**options)
     if rendering.is_light and suffix not in PICTURES:
         raise InputError(
@@ -270,7 +271,7 @@ def checked_movie(
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     width, height = rendering.size
-    if rendering.side_view:
+    if rendering.side_view and not rendering.is_wide:
         height += 2 * round(MOST * height / 2)  # at most
     width *= 2 if rendering.stereo == "pair" else 1
     encode.check_size(output.suffix.lower(), width, height)

@@ -183,7 +183,7 @@ def check_encoder(ending: str) -> None:
         raise InputError(
             f"output = *{ending}: {ffmpeg} has no working encoder {FORMATS[ending][0]}: "
             f"{'unset IMAGEIO_FFMPEG_EXE' if named else REMEDY}; "
-            f"allowed with this ffmpeg: {', '.join([*others, NEED_NO_FFMPEG])}"
+            f"allowed with this ffmpeg: {', '.join([*others, NEED_NO_FFMPEG])}; {remedies.page('no-encoder')}"
         )
 
 

@@ -1,7 +1,5 @@
 """The outlines of chess pieces where the equations say that they appear, from the pieces' distance fields."""
 
-import base64
-import zlib
 from functools import lru_cache
 from math import ceil
 from threading import Lock
@@ -10,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.inputs.pieces import PieceFile
-from povgen.rendering.volumes import GRID, MOST, Volume, volumes
+from povgen.rendering.volumes import MOST, Volume, decoded, volumes
 from povgen.scene.scenes import AxialScene
 
 FINEST = 16  # points of an outline between two voxels, at most
@@ -46,8 +44,7 @@ def _measured(piece: str | PieceFile) -> Volume:
 @lru_cache(maxsize=64)
 def _outline(volume: Volume, times: int) -> NDArray[np.complex128]:
     """Return points of a piece's outline, at least about `times` a voxel: x + iy, tiles, from its foot's centre."""
-    steps = np.frombuffer(zlib.decompress(base64.b64decode(volume.data)), np.uint8).reshape(GRID[::-1])
-    field = (np.cumsum(steps, axis=0, dtype=np.uint8).astype(float) - 128) * MOST / 127
+    field = (decoded(volume.data).astype(float) - 128) * MOST / 127
     least = field.min(axis=0)  # along z: the distance of a line of sight from the surface, below 0 inside
     y, x = (np.arange(times * (n - 1) + 1) / times for n in least.shape)
     wide = np.array([np.interp(x, np.arange(least.shape[1]), row) for row in least])

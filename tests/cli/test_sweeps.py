@@ -50,4 +50,5 @@ def test_a_sweep_of_prisms_warns_once(capsys):
     spec = MovieSpec.of_sweeps("chess", ["prisms=10:1000:log"], {"frames": 6, "fixed": {"z1": 4}})
     warn({}, spec.scenes("standard"), Rendering(size=(96, 72), antialias="off"))
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("povgen: warning: prisms = 63: ") and line.endswith("(in 4 of 6 frames)")
+    assert line.startswith("povgen: warning: prisms = 63: ")
+    assert line.endswith("is noise; docs/troubleshooting.md#noise (in 4 of 6 frames)")

@@ -152,7 +152,7 @@ TWO = [
         Chess(sheet="ideal", window="z=2,alpha=20,sheet=single,tops=black", z2=8),
         povgen.Room(TWO, eye=povgen.Eye(z=-8)),
         Chess(sheet="lenticular"),
-        Chess(sheet="profile"),
+        Chess(sheet="profile", profile="lenticulars"),
     ],
     ids=["pair", "errors", "ideal before single", "room", "lenses", "profile"],
 )

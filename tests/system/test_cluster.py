@@ -19,7 +19,7 @@ import distributed
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import povgen, refused, some, wait_for
+from conftest import SPEC, povgen, refused, some, wait_for
 
 from povgen import Chess, InputError, MovieSpec, PovrayError, Rendering, remedies, render, results, to_pov
 from povgen.errors import TransientError
@@ -28,11 +28,7 @@ from povgen.rendering import cache, cluster, frames, povray
 from povgen.rendering.cluster import Cluster
 
 BIN = Path(sys.executable).parent
-COUNT = 8
-SPEC = (
-    f'title = "x"\nscene = "chess"\nframe_rate = 10\nframes = {COUNT}\n[fixed]\nsheet = "none"\n'
-    '[[sweep]]\nparameter = "z2"\nstart = 4\nstop = 6\n'
-)
+COUNT = 8  # frames of SPEC
 SCENES = MovieSpec.parse(SPEC, "x").scenes("standard")
 SMALL = Rendering(size=(64, 48)).suited(prisms=False)
 MOVIE = [BIN / "povgen", "movie", "z2.toml", "--size", "64x48"]

@@ -11,15 +11,18 @@ from functools import cache
 from pathlib import Path
 from textwrap import dedent
 
+import gallery  # docs/gallery.py
 import imageio.v3 as iio
 import nbformat
 import notebook  # docs/notebook.py
 import pytest
+import reference  # docs/reference.py
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
 from povgen import Chess, MovieSpec, Room
 from povgen.cli.app import COMMANDS
+from povgen.cli.report import SYMPTOMS
 
 PAGES = [
     *(PROJECT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG", "CODE_OF_CONDUCT", "SECURITY")),
@@ -98,6 +101,21 @@ def test_links_lead_somewhere(page):
         path = (page.parent / target).resolve() if target else page
         assert "://" not in link and path.exists() and path.is_relative_to(PROJECT), link
         assert not anchor or anchor in headings(path), link
+    named = re.findall(r"`((?:tests|benchmarks|povgen|docs|templates)/[\w/.-]+\.\w+)`", page.read_text())
+    missing = [file for file in named if not (PROJECT / file).exists()]
+    assert not missing or page.stem in ("adding", "CONTRIBUTING", "CHANGELOG")  # files to be made
+
+
+def test_the_code_names_pages_and_headings_that_exist():
+    """In comments and in messages. An address of docs/troubleshooting.md is made by `remedies.page`."""
+    files = [path for kind in ("py", "js", "toml", "j2") for path in (PROJECT / "povgen").rglob(f"*.{kind}")]
+    code = "\n".join(path.read_text() for path in files)
+    named = set(re.findall(r"\b(docs/[\w/.-]+\.(?:md|csv|py))(?:#([\w-]+))?", code))
+    named |= {("docs/troubleshooting.md", symptom) for symptom in re.findall(r"""remedies\.page\(["']([\w-]+)""", code)}
+    named |= {("docs/troubleshooting.md", symptom) for symptom in SYMPTOMS.values()}
+    assert len(named) > 15
+    for page, anchor in named:
+        assert (PROJECT / page).exists() and (not anchor or anchor in headings(PROJECT / page)), (page, anchor)
 
 
 def test_every_page_can_be_reached_from_the_readme():
@@ -142,12 +160,13 @@ def test_every_command_is_documented():
 
 # The seminar's blocks run as a notebook, below.
 # test_adding_adds and test_the_notebook_runs run the others
+QUICK = ("README", "beyond", "errata")  # seconds
 WITH_BLOCKS = [p for p in PAGES if "python" in dict(blocks(p)) and p.name not in ("adding.md", "seminar.md")]
 
 
 @pytest.mark.parametrize(
     "page",
-    [WITH_BLOCKS[0], *(pytest.param(page, marks=pytest.mark.release) for page in WITH_BLOCKS[1:])],
+    [page if page.stem in QUICK else pytest.param(page, marks=pytest.mark.release) for page in WITH_BLOCKS],
     ids=name,
 )
 def test_a_pages_blocks_run(page, tmp_path, environment):
@@ -192,8 +211,9 @@ def test_movies_are_specs():
     eye = other.scenes("draft")
     said = {(scene.alpha, text[:3]) for scene, text in zip(side.scenes("draft"), side.texts("draft"), strict=True)}
     assert (90, "α =") in said and {text for alpha, text in said if alpha < 60} == {"sky"}
-    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[48].eye[0]) == (-1, 1)
-    assert eye[49:] == eye[47:0:-1]
+    end = len(eye) // 2
+    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[end].eye[0]) == (-1, 1)
+    assert eye[end + 1 :] == eye[end - 1 : 0 : -1]
 
 
 @pytest.mark.release
@@ -266,9 +286,16 @@ def test_the_room_of_the_page():
     assert {scene.with_numbers({"right.pitch": 40}) for scene in spec.scenes("draft")} == {names["room"]}
 
 
-def test_the_tables_of_the_kinds_of_sheets_and_objects():
-    """docs/kinds.md and docs/objects.md are what docs/kinds.py writes."""
-    import kinds
+def test_the_gallery_is_made_from_its_files():
+    """So is the README's row of pictures. The scenes of the commands are those that the site shows."""
+    assert gallery.PAGE.read_text("utf-8") == gallery.page(), "run make docs/gallery.md"
+    assert gallery.README.read_text("utf-8") == gallery.readme(), "run make docs/gallery.md"
+    assert {each["file"] for each in gallery.pictures().values()} == {
+        path.name for path in (PROJECT / "docs" / "gallery").iterdir() if path.suffix in (".png", ".webp")
+    }
+    for name, each in gallery.pictures().items():
+        assert name == Path(each["file"]).stem and re.match("`povgen [a-z]+", each["shows"].lstrip()), name
 
-    assert kinds.PAGE.read_text("utf-8") == kinds.page()
-    assert kinds.OBJECTS_PAGE.read_text("utf-8") == kinds.objects_page()
+
+def test_the_reference_is_made_from_the_code():
+    assert reference.PAGE.read_text("utf-8") == reference.page(), "run make docs/reference.md"

@@ -11,17 +11,13 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import POVGEN, wait_for
+from conftest import POVGEN, SPEC, wait_for
 
 from povgen import MovieSpec, Rendering
 from povgen.rendering import frames
 from povgen.video import encode
 
-COUNT = 8
-SPEC = (
-    f'title = "x"\nscene = "chess"\nframe_rate = 10\nframes = {COUNT}\n[fixed]\nsheet = "none"\n'
-    '[[sweep]]\nparameter = "z2"\nstart = 4\nstop = 6\n'
-)
+COUNT = 8  # frames of SPEC
 # whether this user may mount file systems; in many containers no user may
 CAN_MOUNT = not subprocess.run(["unshare", "--mount", "--map-root-user", "true"], capture_output=True).returncode
 SMALL = Rendering(size=(64, 48)).suited(prisms=False)

@@ -16,7 +16,7 @@ from conftest import (
     some,
 )
 
-from povgen import Chess, Spheres, results
+from povgen import Chess, InputError, Spheres, results
 from povgen.liveview import scripts
 from povgen.liveview.languages import tables
 from povgen.liveview.values import values as live_values
@@ -32,8 +32,9 @@ from povgen.objects.window import Window
 from povgen.optics import equations, ghosts, series, trace
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal, dove
-from povgen.page.page import ALL_KINDS, KEPT, KINDS
-from povgen.scene import shader, warnings
+from povgen.page import items
+from povgen.page.address import ALL_KINDS, KEPT, KINDS
+from povgen.scene import shader, survey, warnings
 from povgen.scene.laws import to_live
 from povgen.scene.quantities import QUANTITIES
 from povgen.scene.room import Eye, Room
@@ -343,8 +344,9 @@ def rooms(path):
     ]
 
 
-def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
+def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path, monkeypatch):
     """The uniforms and constants of povgen/liveview/values.js are those of povgen/scene/shader.py."""
+    monkeypatch.setattr(survey, "survey", lambda _: survey.Survey(20, 0.5))  # no rays: Python alone counts faces
     places = [[0.1, 0.2, 0.3, 0.01]] * 2
     own = {"law": "x - k*X*z, y + sqrt(k)*y, z", "parameter": {"k": 0.3}}
     scenes = [
@@ -393,6 +395,82 @@ def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
         text = "".join(f"#define {k} {v}\n" for k, v in shader.defines(scene, names, shapes["grid"]).items())
         assert text == constants
     started.close()
+
+
+ADDED = {
+    "7-mine.toml": """
+start = "https://povgen.test/demo.html#sheet=ideal&alpha=90&z1=3&level=simple&show=stray"
+end = "z1=6"
+answer = "change.nu"
+tolerance = 1
+unit = "degrees"
+[fr]
+ask = "Combien ?"
+why = "De {start.nu} à {end.nu}."
+""",
+    "walk.toml": """
+[[tour]]
+shows = "sheet=single"
+seconds = 5
+[en]
+title = "A walk"
+steps = ["Look."]
+""",
+    "gallery.toml": """
+[[lesson]]
+shows = ["sheet=none"]
+asks = ["mine", "sky"]
+[en]
+title = "A gallery"
+steps = ["Nothing"]
+""",
+}
+
+
+def test_a_file_adds_a_question_a_tour_and_a_lesson(tmp_path):
+    """A language that a file does not have is replaced."""
+    for name, text in ADDED.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    started = Node.of_page(added=[tmp_path / name for name in ADDED])
+    started.evaluate("choose('es')")
+    name, asked, answer, why = started.evaluate(
+        "[QUESTIONS.at(-1)].map((mine) => [mine.name, ask(mine), mine.answer(), why(mine)])[0]"
+    )
+    nu = [np.degrees(equations.nu(6 / z1, np.pi / 2)) for z1 in (3, 6)]
+    assert (name, asked, answer) == ("mine", "Combien ?", pytest.approx(nu[1] - nu[0]))
+    assert why == f"De {nu[0]:.1f}° à {nu[1]:.1f}°.".replace(".", ",").replace("°,", "°.")
+    assert started.evaluate("fromHash('#question=mine'), [state.z1, state.alpha]") == [3, 90]
+    words = "[data.tours.at(-1).name, entry('tours.walk.title'), data.lessons.at(-1).steps[0].asks]"
+    assert started.evaluate(words) == ["walk", "A walk", ["mine", "sky"]]
+    started.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (ADDED["7-mine.toml"].replace("alpha=", "alpa="), "'alpa': unknown setting; allowed: scene, sheet, "),
+        (ADDED["7-mine.toml"].replace("z1=6", "z1=6000"), "'z1=6000': allowed: from 0.01 to 5000"),
+        (ADDED["7-mine.toml"].replace("answer", "anwser"), "'anwser': unknown; did you mean answer?"),
+        (ADDED["7-mine.toml"].replace('answer = "change.nu"', ""), "no answer, or more than one; allowed: "),
+        (ADDED["7-mine.toml"].replace("tolerance = 1", ""), "a number is asked for; allowed: with tolerance and unit"),
+        (ADDED["7-mine.toml"].replace("{end.nu}", "{end.mu}"), "[fr]: 'end.mu' is unknown; allowed: "),
+        (ADDED["7-mine.toml"].replace("[fr]", "[it]"), "[it]: no language of the page; allowed: ar, de, "),
+        (ADDED["7-mine.toml"] + 'choices = ["a"]', "1 choices; allowed: 3, for more, as much, and less"),
+        (ADDED["walk.toml"].replace('["', '["Go.", "'), "[en]: steps: 2 texts; allowed: 1, one for each step"),
+        (ADDED["gallery.toml"], "asks: 'mine' is unknown; allowed: sky, "),
+    ],
+)
+def test_a_fault_of_a_file_is_one_line(tmp_path, text, message):
+    (tmp_path / "file.toml").write_text(text, "utf-8")
+    with pytest.raises(InputError, match=re.escape(message)) as raised:
+        items.load([tmp_path / "file.toml"], ["knight"])
+    assert "file.toml: " in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_the_page_computes_what_questions_ask_for(page):
+    """A question's file can name no other quantity."""
+    known = page.evaluate("[Object.keys(povgen.questions.QUANTITIES), Object.keys(povgen.questions.MOMENTS)]")
+    assert known == [items.QUANTITIES, items.MOMENTS]
 
 
 def test_questions_are_answered_by_the_equations(page):
@@ -698,8 +776,9 @@ def test_every_language_says_all(page, language):
         page.evaluate("change", values)
         for text in page.evaluate("[describe(moment()), explanation(moment()), ...caption(moment())]"):
             assert text and not re.search(r"[{}]|undefined|null|NaN", text.replace("undefined.", "")), (values, text)
-    reasons = """QUESTIONS.filter(({ match, goal }) => !match && !goal).map((question) => {
-      const given = choices(question)?.map((_, k) => k) ?? [0.5, 2, 1].map((x) => x * question.answer());
+    reasons = """QUESTIONS.filter(({ goal }) => !goal).map((question) => {
+      const numbers = question.match ? [0, 1, true] : [0.5, 2, 1].map((x) => x * question.answer());
+      const given = choices(question)?.map((_, k) => k) ?? numbers;
       return given.map((each) => reason(question, String(each)));
     })"""
     for found in page.evaluate(reasons):  # each wrong answer has its own, and the right one none

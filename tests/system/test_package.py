@@ -74,7 +74,7 @@ def test_every_place_names_this_version():
     assert re.search(r"^## (?!Unreleased\n)(\S+)", (PROJECT / "CHANGELOG.md").read_text(), re.M)[1] == version
     assert re.search(r"^version: (\S+)", (PROJECT / "CITATION.cff").read_text(), re.M)[1] == version
     notes = subprocess.run(["make", "--silent", "notes"], cwd=PROJECT, capture_output=True, text=True).stdout
-    assert notes.startswith("\nThe first release.") and "\n## " not in notes
+    assert notes.startswith("\n**New**\n") and "\n## " not in notes
 
 
 def test_all_instructions_install_the_same_packages():

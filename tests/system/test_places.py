@@ -10,21 +10,13 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
+import conftest
 import imageio_ffmpeg
 import pytest
 from conftest import POVGEN, povgen, run_povgen, some
 
 TINY = ["--size", "64x48", "--sheet", "none"]
-SPEC = """
-title = "A film"
-scene = "chess"
-frame_rate = 10
-frames = 3
-[[sweep]]
-parameter = "z1"
-start = 2
-stop = 4
-"""
+SPEC = conftest.SPEC.replace("frames = 8", "frames = 3")
 
 
 @pytest.mark.parametrize(

@@ -137,11 +137,13 @@ def test_everybody_can_read_it(name, site, page):
     assert not faults, [(fault["id"], [node["target"] for node in fault["nodes"]][:3]) for fault in faults]
 
 
-def test_the_worksheet_is_two_pages_of_a4_and_one_of_answers(site, page):
-    page.goto((site / "docs" / "worksheet.html").as_uri())
+@pytest.mark.parametrize(("name", "count"), [("worksheet", 3), ("cheatsheet", 1)])
+def test_what_is_to_be_printed_fits_its_pages(site, page, name, count):
+    """The worksheet has two pages, and one of answers."""
+    page.goto((site / "docs" / f"{name}.html").as_uri())
     printed = page.pdf(prefer_css_page_size=True)
     sizes = re.findall(rb"/Type /Page\b.*?/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", printed, re.S)
-    assert [(round(float(width)), round(float(height))) for width, height in sizes] == [(595, 842)] * 3  # points
+    assert [(round(float(width)), round(float(height))) for width, height in sizes] == [(595, 842)] * count  # points
 
 
 def test_a_movie_plays_if_the_reader_allows_motion(site, page):

@@ -13,7 +13,6 @@ from povgen.optics import equations
 mpmath.mp.dps = 50
 ANGLE = st.floats(-2 * np.pi, 2 * np.pi)
 RATIO = st.floats(0.01, 100)
-POINT = st.complex_numbers(max_magnitude=10)
 DIRECTION = st.tuples(*[st.floats(-1, 1)] * 2, st.floats(0.05, 1) | st.floats(-1, -0.05)).map(np.array)
 # double precision, a few operations
 EXACT = 1e-14

@@ -9,11 +9,12 @@ import translations  # docs/translations.py
 from conftest import PROJECT
 
 from povgen.inputs.pieces import PIECES
-from povgen.liveview.languages import FOLDER, tables
-from povgen.page import page
-from povgen.page.page import ALL_KINDS, KEPT
+from povgen.liveview.languages import FOLDER
+from povgen.page import items, page
+from povgen.page.address import ALL_KINDS, KEPT
 
-TABLES = tables(ALL_KINDS)
+ITEMS = items.load([], PIECES)
+TABLES = items.tables(ITEMS)
 SCRIPTS = {
     path.name: path.read_text("utf-8") for path in Path(page.__file__).parent.iterdir() if path.suffix in (".js", ".j2")
 }
@@ -44,6 +45,14 @@ def parts(value):
 ENGLISH = {key: value for key, value in sentences(TABLES["en"]).items() if not key.startswith("things.")}
 
 
+def test_an_item_of_povgens_own_has_all_languages():
+    """A sentence that is missing would be English there."""
+    assert len(ITEMS) > 24
+    for item in ITEMS:
+        found = {language: {*text} - {"unit"} for language, text in item.words.items()}
+        assert found == dict.fromkeys(TABLES, {*item.words["en"]} - {"unit"}), item.name
+
+
 @pytest.mark.parametrize("language", TABLES)
 def test_a_language_has_all_sentences_with_the_same_words_in_braces(language):
     own = {key: value for key, value in sentences(TABLES[language]).items() if not key.startswith("things.")}
@@ -66,7 +75,7 @@ def test_a_reader_sees_every_sentence_beside_its_translation():
     assert rows["page.reset"] == '<td lang="de" dir="ltr">Zurücksetzen</td><td lang="ar" dir="rtl">إعادة الضبط</td>'
     assert rows["page.keys"].startswith('<td lang="de" dir="ltr">&lt;kbd&gt;Leertaste')
     lone = {key for key, value in sentences(TABLES["de"]).items() if isinstance(value, str)}
-    assert lone < rows.keys() and {"tour.steps 10", "counts.tiles.few", "things.pawn.des"} < rows.keys()
+    assert lone < rows.keys() and {"tours.start.steps 10", "counts.tiles.few", "things.pawn.des"} < rows.keys()
 
 
 def test_no_line_of_french_breaks_before_a_mark():
@@ -104,7 +113,7 @@ def test_a_thing_has_every_form_that_a_sentence_uses(language):
 
 def test_every_sentence_is_used():
     text = "\n".join(SCRIPTS.values())
-    made = {"kinds", "things", "questions", "failures"}  # their keys are names of other parts
+    made = {"kinds", "things", "questions", "tours", "lessons", "failures"}  # their keys are names of other parts
     for key in ENGLISH:
         section, _, name = key.partition(".")
         if section not in made and name:

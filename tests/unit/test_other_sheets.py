@@ -294,3 +294,14 @@ def test_what_can_be_built_follows_from_the_law(law, parts):
     assert found.parts == parts and found.reason and found.page.startswith("docs/")
     assert ("the law differs from this by up to " in found.reason) == ("0.8776" in law)
     assert ("concave" in found.reason) == law.startswith(("x/2 +", "2*x", "0.999"))
+
+
+def test_the_first_picture_of_a_kind_shows_something_of_its_own():
+    """At 66 degrees the sheet `axis` would show the sky alone. `profile` differs from `lenticular`."""
+    scene = Chess(sheet="axis")
+    assert (scene.alpha, scene.axis) == (15, (0, 1, 0)) and scene.seen(*scene.objects[0])[1]
+    assert Chess(sheet="axis", alpha=40).alpha == 40 and scene.replace(sheet="ideal").alpha == 66
+    assert (
+        abs(Chess(sheet="profile").sheets[0].thin.transfer - Chess(sheet="lenticular").sheets[0].thin.transfer).max()
+        > 0.1
+    )

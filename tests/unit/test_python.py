@@ -70,11 +70,6 @@ MOVIE = {"title": "a", "scene": "chess", "sweep": [{"parameter": "alpha", "start
         (lambda: setattr(live(Chess()), "fresnel", True), ["fresnel = true: the live view follows one ray a pixel"]),
         (lambda: Chess(eye={1, 2}), ["eye = {1, 2}: should be in order"]),
         (lambda: Rendering(size=frozenset((64, 48))), ["size = frozenset({", "should be in order"]),
-        *(
-            (lambda values=values: Chess(**values), ["should be written without _"])
-            for values in [{"alpha": "1_0"}, {"eye": "0,1_0"}, {"error": "turn=0_1"}, {"window": "z=2_0"}]
-        ),
-        (lambda: Rendering(size="6_4x48"), ["size = '6_4x48': should be written without _"]),
         (lambda: movie(repeat(Chess()), "a.mp4"), ["more than 30000 scenes; allowed: up to 30000"]),
         (lambda: movie([Chess()], "a.mp4", progress="no"), ["progress = 'no': should be true or false"]),
         (lambda: save(Chess(), "a.png", progress="no"), ["progress = 'no': should be true or false"]),

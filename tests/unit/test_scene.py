@@ -148,15 +148,6 @@ def test_limits_that_messages_name_are_allowed():
     assert [at_least(limit) for limit in (0.15, 0.1 + 0.2, 0.76531, 1.2491)] == ["0.15", "0.3", "0.7654", "1.25"]
 
 
-def test_light_along_z_is_totally_reflected_at_the_base_of_every_prism():
-    """docs/sheets.md: cos(slope) > 1/n."""
-    for index in np.linspace(1.1, 4, 30):
-        for base_angle in np.linspace(15, 75, 30):
-            prism = Prism(1.0, index, base_angle)
-            slope = np.arctan(1 / (prism.full_aperture - 1 / np.tan(np.radians(base_angle))))
-            assert np.cos(slope) > 1 / index
-
-
 def test_the_view_is_the_height_of_the_picture():
     for view in (0.1, VIEW, 100):
         position = Chess(view=view).camera.pixels((40, 30))

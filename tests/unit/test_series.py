@@ -132,32 +132,22 @@ def squares(n, half, rng):
     return x + 1j * y
 
 
-def test_the_image_through_four_sheets(rng):
-    """Light of a point 2 behind two windows comes together 2 before them, through 400 prisms each, and nowhere else."""
-    prism = Prism(WINDOW / 400)
-    L, z = 0.15 - 0.1j, 4.0  # the second window is at 2
-    aims = squares(70, 0.25, rng)
-    direction = np.column_stack(((aims - L).real, (aims - L).imag, np.full(len(aims), -2.0)))
-    rays = trace_windows(Bundle([L.real, L.imag, z], direction), windows(*IMAGING, prism))
-    on = rays.designed & rays.met_each_in_turn(False, 2)
-    assert 0.4 < on.mean() < 0.55
-
-    def spread(w):
-        at = rays.at(w)[on]
-        return np.sqrt((abs(at - at.mean()) ** 2).mean()), abs(at.mean() - L)
-
-    (sharp, aside), (before, _), (after, _) = spread(-2), spread(-2.8), spread(-1.2)
-    assert sharp < 1.2 * prism.pitch and aside < 0.5 * prism.pitch
-    assert before > 10 * sharp and after > 10 * sharp
-    assert min(np.linspace(-2.5, -1.5, 101), key=lambda w: spread(w)[0]) == pytest.approx(-2, abs=0.02)
+SHAPES = [{}, {"index": 1.7, "base_angle": 40}, {"base_angle": 60}, {"index": 2, "aspect": 0.9}]
 
 
-@pytest.mark.parametrize(("series", "prisms"), [(TWO, 50), (IMAGING, 200), (THREE, 200)])
-def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
+@pytest.mark.parametrize(
+    ("series", "prisms", "shape"),
+    [
+        ((1.15, []), 50, {}),
+        *(((angle, []), 200, shape) for angle, shape in zip([0.2, 1.15, -2.0, np.pi], SHAPES, strict=True)),
+        *((TWO, 50, {}), (IMAGING, 200, {}), (THREE, 200, {})),
+    ],
+)
+def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, shape, rng):
     """L - E = A s + B conj(s), fitted to rays of the exact trace at small angles, is what apparent.depths() says."""
     z1, z2, E = 3.0, 8.0, 0.1 + 0.2j
     alpha, behind = series
-    rays, slope, prism = traced(series, prisms, squares(100, 0.4, rng), E, z2)
+    rays, slope, prism = traced(series, prisms, squares(100 if behind else 200, 0.4, rng), E, z2, **shape)
     on = rays.designed & rays.met_each_in_turn(True, len(behind) + 1)
     D = rays.at(sum(d for d, _ in behind) + z1)[on] - E
     (A, B), *_ = np.linalg.lstsq(np.column_stack((slope[on], slope[on].conj())), D, rcond=None)
@@ -166,7 +156,7 @@ def test_the_paraxial_prediction_for_prisms_of_finite_size(series, prisms, rng):
     error = abs(A - predicted[0]) + abs(B - predicted[1])
     assert error < 0.15 * (abs(A - thin) + abs(B))
     seen = apparent.position(A * 0.01 + B * 0.01 + E, E, z1, glass(z2, alpha, prism, behind))
-    assert seen == pytest.approx(E + 0.01 * z2, abs=0.01 * z2 * error / abs(A))
+    assert seen == pytest.approx(E + 0.01 * z2, abs=0.02 * z2 * error / abs(A))
 
 
 @given(DISTANCE, DISTANCE, ANGLE, BEHIND)

@@ -20,6 +20,12 @@ from povgen.rendering.parallel import worker_count
     multiple=True,
     help="a chess piece of your own: a file that declares Piece; can be repeated",
 )
+@click.option(
+    "--add",
+    metavar="FILE",
+    multiple=True,
+    help="a question, challenge, tour or lesson of your own: a TOML file (docs/adding.md); can be repeated",
+)
 @click.option("--sky", metavar="FILE", help="an equirectangular picture in place of mountains and sky")
 @click.option("--floor", metavar="FLOOR", default="tiles", show_default=True, help="tiles, none, or a picture's file")
 @click.option(
@@ -34,6 +40,7 @@ from povgen.rendering.parallel import worker_count
 def command(
     output: Path | None,
     piece: tuple[str, ...],
+    add: tuple[str, ...],
     sky: str | None,
     floor: str,
     movies: bool,
@@ -44,8 +51,14 @@ def command(
     """Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network."""
     _, rendering = options.split(values)
     count = worker_count(workers)
-    page = demo(
-        output, pieces=piece, sky=sky, floor=floor, movies=movies, workers=count, progress=not quiet, **rendering
-    )
+    given: dict[str, Any] = {
+        "pieces": piece,
+        "add": add,
+        "sky": sky,
+        "floor": floor,
+        "movies": movies,
+        "workers": count,
+    }
+    page = demo(output, progress=not quiet, **given, **rendering)
     if not quiet:
         wrote(page)

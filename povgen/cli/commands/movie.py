@@ -17,7 +17,7 @@ from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, MovieSpec, spec_file
-from povgen.settings import Rendering
+from povgen.settings import Rendering, of_movie
 from povgen.video.build import Film, FilmOptions, Plan, check_views, film, movie_rendering, planned, sequence
 
 
@@ -80,7 +80,7 @@ def command(
     count, scheduler = worker_count(workers), checked_scheduler(scheduler)
     automatic = options.automatic(values, chosen, tolerance, dry_run)
     file = output or Path(f"{'movie' if spec == '-' else Path(source or spec or '').stem}.mp4")
-    rendering = movie_rendering(file, chosen) if part is None else Rendering(**chosen)
+    rendering = movie_rendering(file, chosen) if part is None else Rendering(**of_movie(chosen))
     made = film_with(values if automatic is None else {**values, "sheet": "detailed"}, rendering.quality)
     if part is not None:
         _check_shard(part, scheduler, output)
@@ -91,7 +91,7 @@ def command(
         file = planned(made, file, rendering, own).output
         check_unasked([] if output or dry_run else [file])
     if automatic is not None:
-        sheet, choice = automatic.choose(made.scenes, {**chosen, "bits": rendering.bits}, quiet, scheduler)
+        sheet, choice = automatic.choose(made.scenes, {**of_movie(chosen), "bits": rendering.bits}, quiet, scheduler)
         made, rendering = film_with({**values, **sheet}, rendering.quality), rendering.replace(**choice)
     made = made.fitted(rendering.size)
     scenes, sampled = _shard(made.scenes, rendering, part)

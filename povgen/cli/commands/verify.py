@@ -1,8 +1,7 @@
 """The command povgen verify."""
 
 import sys
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import ExitStack
 from dataclasses import asdict
 from json import dumps
 from math import isfinite
@@ -47,7 +46,12 @@ def command(
     table = Table("sheet", "measured", "value", "bound", "", title=", ".join(map(" ".join, versions.items())))
     found: list[Measured] = []
     with ExitStack() as opened:
-        folder = opened.enter_context(_maps_folder(output or Path("stability"))) if stability else None
+        if stability:
+            from povgen.measure.stability import NAMES, maps
+            from povgen.measure.stability_map import save_maps
+
+            files = {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in NAMES}
+            folder = opened.enter_context(options.made_folder(output or Path("stability"), files))
         # the table appears with its first row
         console = Console(width=None if sys.stdout.isatty() else 120)
         shown = opened.enter_context(Live(console=console, auto_refresh=False))
@@ -59,13 +63,12 @@ def command(
             table.add_row(measured.sheet, measured.what, f"{measured.value:.5g} {measured.unit}", bound, holds)
             shown.update(table, refresh=True)
 
-        if folder:
-            from povgen.measure import stability as maps
-            from povgen.measure.stability_map import save_maps
-
-            save_maps(maps.maps(sheet), folder, add)
+        if stability:
+            save_maps(maps(sheet), folder, add)
         else:
-            for measured in _checks(sheet, gl, live):
+            from povgen.measure import verify, verify_gl, verify_live  # slow to load
+
+            for measured in verify_gl.checks() if gl else verify_live.checks() if live else verify.checks(sheet):
                 add(measured)
     if json_file:
         rows = [{**asdict(m), "value": m.value if isfinite(m.value) else None, "holds": m.holds} for m in found]
@@ -80,12 +83,6 @@ def _versions(gl: bool, live: bool) -> dict[str, str]:
     return versions | ({"OpenGL by": gl_runner.device()} if gl or live else {})
 
 
-def _maps_folder(output: Path) -> AbstractContextManager[Path]:
-    from povgen.measure.stability import NAMES
-
-    return options.made_folder(output, {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in NAMES})
-
-
 def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, output: Path | None) -> None:
     """Raise InputError if the options do not go together."""
     if sheet not in (None, "ideal", "detailed"):
@@ -96,9 +93,3 @@ def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, out
         raise InputError("live: measured alone; allowed without --sheet and --stability")
     if output and not stability:
         raise InputError(f"output = {str(output)!r}: only the maps are written there; allowed with --stability")
-
-
-def _checks(sheet: str | None, gl: bool, live: bool) -> Iterator[Measured]:
-    from povgen.measure import verify, verify_gl, verify_live  # slow to load
-
-    return verify_gl.checks() if gl else verify_live.checks() if live else verify.checks(sheet)

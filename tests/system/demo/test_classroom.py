@@ -5,7 +5,7 @@ from conftest import sentence
 from playwright.sync_api import expect
 
 from demo.conftest import show
-from povgen.page.page import KINDS
+from povgen.page.address import KINDS
 
 
 def test_a_choice_is_seen_in_high_contrast(page):
@@ -95,8 +95,7 @@ def test_what_the_window_shows_is_what_the_live_view_draws(page):
 
 def ends(page):
     """Return what the page shows at the end of each question."""
-    after = "question.after.call ? question.after() : question.after"
-    return page.evaluate(f"QUESTIONS.map((question) => ({{ ...question.before, ...({after}) }}))")
+    return page.evaluate("QUESTIONS.map(end)")
 
 
 def test_a_verdict_stays_and_try_again_asks_anew(page):
@@ -108,7 +107,7 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
         page.get_by_role("button", name="Reveal").click()
 
     for n, wrong, right, reason in (
-        (1, 1, 0, "if the sheets turned the light clockwise. It turns by 15.0° only"),
+        (1, 2, 0, "if the sheets turned the light clockwise. It turns by 15.0° only"),
         (4, "9 tiles", "12/2", "Farther from the sheets than your eye"),
         (5, "2.11", "2.1", "seen smaller than that"),  # 2, within 0.1
     ):

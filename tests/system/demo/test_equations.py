@@ -7,7 +7,7 @@ from conftest import BEYOND, scene_of
 from playwright.sync_api import expect
 
 from demo.conftest import show
-from povgen.page.page import ALL_KINDS, KEPT
+from povgen.page.address import ALL_KINDS, KEPT
 
 NOT_A_NUMBER = r"NaN|Infinity|null|undefined(?!<|; r = )|\[object"
 

@@ -1,5 +1,6 @@
 """What a lesson takes away from the page, how it looks, and the user's own room."""
 
+import base64
 import re
 import zlib
 from io import BytesIO
@@ -11,7 +12,7 @@ from conftest import NAMES
 from PIL import ExifTags, Image
 from playwright.sync_api import expect
 
-from demo.conftest import COARSE, DRAWN, WORK, Faults, bounds, picture, show
+from demo.conftest import COARSE, DRAWN, WORK, Faults, bounds, picture, pixels, show
 
 
 @pytest.fixture
@@ -81,6 +82,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.go_back()
     page.wait_for_function("povgen.state.state.question < 0 && povgen.state.state.light === 'pencil'")
     page.evaluate("window.print = () => { window.printed = true; }")
+    page.evaluate("povgen.state.change({ depth: true, large: true }); povgen.data.draw()")
     page.get_by_role("button", name="Für Lehrkräfte").click()
     panel.get_by_role("button", name="Aufgabenblatt drucken").click()
     page.wait_for_function("window.printed")
@@ -89,6 +91,9 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     assert page.locator("#task-setting").inner_text().startswith("Ein Springer, gesehen durch: ")
     [code, picture, name, title] = bounds(page, "#task-code svg", "#task-picture", "#task-name", "#tasks h1")
     assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300 and title["height"] < 40
+    shown = pixels(base64.b64decode(page.evaluate("document.getElementById('task-picture').src.split(',')[1]")))
+    red, green, _ = np.moveaxis(shown[-60:], 2, 0)  # of the floor
+    assert shown.shape[1] == 960 and np.percentile(abs(red - green), 99) < 60  # not for glasses, and not small
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("#tasks").is_hidden()
     page.close()

@@ -6,7 +6,7 @@ from playwright.sync_api import expect
 
 from demo.conftest import centre, opened, show
 from povgen.liveview.languages import tables
-from povgen.page.page import ALL_KINDS
+from povgen.page.address import ALL_KINDS
 
 # The names and other hidden texts of what is shown, with a Latin word.
 HIDDEN = """[...document.querySelectorAll("*")].filter((part) => (part.closest("select") ?? part).checkVisibility())

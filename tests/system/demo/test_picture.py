@@ -1,5 +1,8 @@
 """The picture of the teaching page: what it shows, what is drawn over it, how it is saved and lost."""
 
+from base64 import b64decode
+from io import BytesIO
+
 import numpy as np
 import pytest
 from conftest import scene_of, some
@@ -8,7 +11,7 @@ from playwright.sync_api import expect
 
 from demo.conftest import COARSE, WORK, centre, picture, pixels, show
 from povgen.optics import apparent
-from povgen.page.page import KINDS
+from povgen.page.address import KINDS
 
 
 def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
@@ -200,6 +203,59 @@ def test_red_and_cyan_glasses_show_depth(page):
     assert page.evaluate("view.scene.eyes") == 0
     # who puts on glasses at a question keeps them
     assert page.evaluate("openQuestion(0), change({ depth: true }), openQuestion(1), openQuestion(-1), state.depth")
+
+
+HEADSET = """async (apart) => {
+  const { canvas, gl, scene: { z2, view: height } } = view, width = (height * canvas.width) / canvas.height, drawn = [];
+  const matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+  const eyes = [-1, 1].map((side, k) => ({
+    transform: { matrix, position: { x: (side * apart) / 2 / (0.3 / 0.063), y: 0, z: 0 } },
+    projectionMatrix: [
+      (2 * z2) / width, 0, 0, 0, 0, (2 * z2) / height, 0, 0, (-side * apart) / width, 0, -1, -1, 0, 0, 0, 0,
+    ],
+    viewport: { x: k * (canvas.width >> 1), y: 0, width: canvas.width >> 1, height: canvas.height },
+  }));
+  const session = {
+    updateRenderState() {},
+    requestReferenceSpace: async () => "local",
+    requestAnimationFrame: (draw) => drawn.push(draw),
+    addEventListener: (_, end) => (session.end = end),
+  };
+  window.XRWebGLLayer = class { framebuffer = null; getViewport = ({ viewport }) => viewport; };
+  gl.makeXRCompatible = async () => {};
+  navigator.xr.requestSession = async () => session;
+  $("headset").click();
+  while (!drawn.length) await new Promise((done) => setTimeout(done));
+  drawn[0](0, { getViewerPose: () => ({ views: eyes }) });
+  const shown = canvas.toDataURL();
+  session.end();
+  return shown;
+}"""
+
+
+def test_in_a_headset_each_eye_sees_a_picture_of_its_own(page):
+    """A session of WebXR that the test plays: its eyes see the picture's rectangle, side by side on the canvas."""
+    eyes = []
+    for x in (-0.15, 0.15, 0):
+        show(page, alpha=180, E=[x, 0])
+        picture(page, COARSE)
+        eyes.append(decoded(page.evaluate("view.context.repaint(), view.canvas.toDataURL()")))
+    shown = decoded(page.evaluate(HEADSET, 0.3))
+    middle, away = shown.shape[1] // 2, [[], []]
+    for k, half in enumerate((shown[:, :middle], shown[:, middle : 2 * middle])):
+        away[k] = [np.abs(blurred(half) - blurred(eye)).mean() for eye in eyes[:2]]
+    assert max(away[0][0], away[1][1]) < min(away[0][1], away[1][0]) / 3, away
+    picture(page, COARSE)
+    again = decoded(page.evaluate("view.context.repaint(), view.canvas.toDataURL()"))
+    assert np.abs(again - eyes[2]).mean() < 1  # the page draws again
+
+
+def decoded(url):
+    return np.asarray(Image.open(BytesIO(b64decode(url.split(",")[1]))).convert("RGB")).astype(int)
+
+
+def blurred(pixels):
+    return np.asarray(Image.fromarray(pixels.astype(np.uint8)).resize((24, 18), Image.Resampling.BOX)).astype(int)
 
 
 def test_another_size_shows_the_picture_until_it_is_drawn_anew(page):

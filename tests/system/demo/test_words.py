@@ -132,6 +132,9 @@ def test_questions_are_predicted_and_revealed(page):
             page.locator("#prediction input").fill("six")
             reveal.click()
             expect(answer).to_have_text("Type a number first.")
+            page.locator("#prediction input").fill("45 cm")
+            reveal.click()
+            expect(answer).to_have_text(re.compile("^“45 cm”: only “(degrees|tiles|times)” can follow the number.$"))
             page.locator("#prediction input").fill(str(right * (1 + 0.08 * wrong)).replace(".", ","))
         reveal.click()
         assert page.evaluate("document.activeElement.id") == "next"
@@ -281,6 +284,15 @@ def test_questions_of_ones_own_are_a_link(page):
     page.locator("#next").click()
     page.evaluate("draw()")
     expect(page.locator("#ask")).to_have_text("And, now?")
+    kept = (
+        "(link) => { fromHash(''); const found = povgen.asking.answersTable(); fromHash(link); draw(); return found; }"
+    )
+    assert [row[:4] for row in page.evaluate(kept, link)][-1] == [
+        name,
+        "Which way <b>now</b>?",
+        "up",
+        1,
+    ]  # of another link
     page.evaluate("$('level').click(); draw(); $('own-remove').click(); draw()")
     expect(page.locator("#question-count")).to_have_text("Question 1 of 1")
     old = json.dumps({"ask": "a?", "choices": ["b", "c"], "why": "", "before": "#sheet=none", "after": "#alpha=9"})

@@ -1,0 +1,165 @@
+"""Write docs/reference.md, tables that are made from the code: `python docs/reference.py`."""
+
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from inspect import getdoc, isclass
+from pathlib import Path
+
+import click
+from pydantic import BaseModel
+
+import povgen
+from povgen.cli.app import COMMANDS
+from povgen.cli.command import FieldOption
+from povgen.objects import OBJECTS
+from povgen.objects.placed import Placed
+from povgen.objects.window import Window
+from povgen.scene.quantities import QUANTITIES
+from povgen.scene.room import Eye
+from povgen.scene.spec import MovieSpec, PartNote, Sweep
+from povgen.sheets import PARAMETERS, SHEETS
+from povgen.sheets.own import OwnLaw
+from povgen.sheets.sheet import Ideal
+
+PAGE = Path(__file__).with_name("reference.md")
+LONG = 200  # characters of a law; the file of the sheet has a longer one
+HEAD = """# Reference
+
+`make docs/reference.md` writes this page from the code: [options](#options), [sheets](#sheets), [objects](#objects),
+[quantities](#quantities), [movie files](#movie-files), [Python](#python). [Terms and signs](terms.md) defines the
+symbols.
+"""
+OPTIONS = """
+## Options
+
+`povgen COMMAND --help` lists those of a command. In Python and in TOML files a parameter has the option's name, with
+`_` in place of `-`. In parentheses: the defaults. `--no-NAME` is the opposite of a switch.
+"""
+KINDS = """
+## Sheets
+
+[Beyond the paper](beyond.md#other-ideal-sheets) explains the laws. A law is the direction (x, y, z) behind the sheet
+of a ray that runs away from the eye. Before the sheet the ray has the direction (x, y, z), of length 1. It meets the
+sheet at (X, Y), in tiles from the window's centre. Angles are in radians. Light passes only where z of the new
+direction, divided by the direction's length, is above 1e-6.
+"""
+OF_OBJECTS = """
+## Objects
+
+[Rooms](rooms.md) says how to use them. The eye is the table `[eye]`, a window `[[window]]`, with the parameters of
+its sheet, an object `[[object]]` with its `kind`.
+"""
+OF_QUANTITIES = """
+## Quantities
+
+For [`povgen.results`](rays.md#many-scenes), of the scene's first object. `seen_` is by the ray trace, on the designed
+path.
+"""
+MOVIES = """
+## Movie files
+
+The keys of [a movie's TOML file](adding.md#a-movie), and of its tables `[[sweep]]` and `[[notes]]`.
+"""
+PYTHON = """
+## Python
+
+The public names of `povgen`. `help(povgen.Chess)` has the parameters. [The site](website.md) has every docstring.
+"""
+
+
+def table(heads: str, rows: Iterable[Iterable[str]]) -> str:
+    """Return a table in Markdown; a bar within a cell is escaped."""
+    lines = [heads.split(" | "), ["---"] * (heads.count(" | ") + 1)]
+    lines += [[cell.replace("|", "\\|") for cell in row] for row in rows]
+    return "".join(f"|{'|'.join(line)}|\n" for line in lines)
+
+
+def options() -> str:
+    """Return the tables of options: a table for each heading of the help, and one of those of few commands."""
+    groups: dict[str, dict[str, str]] = {}
+    others: dict[tuple[str, str], list[str]] = {}
+    for name in COMMANDS:
+        for option in import_module(f"povgen.cli.commands.{name}").command.params:
+            if isinstance(option, FieldOption):
+                rows = groups.setdefault(option.group.partition(",")[0], {})
+                rows[option.opts[0]] = max(rows.get(option.opts[0], ""), option.help or "", key=len)
+            elif isinstance(option, click.Option):
+                others.setdefault((option.opts[-1], option.help or ""), []).append(name)
+    text = OPTIONS
+    for group, rows in groups.items():
+        described = ([f"`{flag}`", about] for flag, about in rows.items())
+        text += f"\n### {group}\n\n" + table("option | what it is", described)
+    rest = ([f"`{flag}`", ", ".join(names), about] for (flag, about), names in sorted(others.items()))
+    return f"{text}\n### Of commands\n\n" + table("option | of | what it does", rest)
+
+
+def sheets() -> str:
+    """Return the table of the kinds of sheets."""
+
+    def law(kind: type) -> str:
+        if kind is OwnLaw or not issubclass(kind, Ideal):
+            return "the user's" * (kind is OwnLaw)
+        file = kind.__module__.replace(".", "/") + ".py"
+        law = str(kind.law).replace(" * ", "*").replace(" / ", "/")
+        return f"`{law}`" if len(law) < LONG else f"[{Path(file).name}](../{file})"
+
+    rows = (
+        [f"`{kind.name}`", kind.does, ", ".join(f"`{each.name}`" for each in kind.parameters), law(kind), kind.source]
+        for kind in SHEETS.values()
+    )
+    return f"{KINDS}\n" + table("`--sheet` | it | parameters | law | source", rows)
+
+
+def objects() -> str:
+    """Return the table of what stands in a room, and of its parameters."""
+    parts: dict[str, type[BaseModel]] = {"the eye": Eye, "every object and window": Placed, "a window": Window}
+    parts |= {f"`{name}`": kind for name, kind in OBJECTS.items()}
+
+    def rows() -> Iterator[list[str]]:
+        for title, part in parts.items():
+            shared = {} if part in (Eye, Placed) else {**Placed.model_fields, **PARAMETERS}
+            for name, field in part.model_fields.items():
+                if name not in shared:
+                    default = "" if field.is_required() or field.default in (None, "") else f"`{field.default}`"
+                    yield [title, f"`{name}`", field.description or "", default]
+                    title = ""  # stands once
+
+    return f"{OF_OBJECTS}\n" + table("of | parameter | it is | default", rows())
+
+
+def quantities() -> str:
+    """Return the table of quantities."""
+    return f"{OF_QUANTITIES}\n" + table(
+        "quantity | unit | it is", ([f"`{name}`", each.unit, each.text] for name, each in QUANTITIES.items())
+    )
+
+
+def movies() -> str:
+    """Return the table of the keys of a movie's file."""
+    parts = {"": MovieSpec, "`[[sweep]]`": Sweep, "`[[notes]]`": PartNote}
+    rows = (
+        [title, f"`{name}`", field.description or ""]
+        for title, part in parts.items()
+        for name, field in part.model_fields.items()
+    )
+    return f"{MOVIES}\n" + table("in | key | it is", rows)
+
+
+def python() -> str:
+    """Return the table of public names, with the first sentence of each docstring."""
+
+    def about(value: object) -> str:
+        first = " ".join((getdoc(value) or "").partition("\n\n")[0].split())
+        return first if isclass(value) else first.partition(". ")[0].removesuffix(".")
+
+    rows = ([f"`{name}`", about(getattr(povgen, name))] for name in povgen.__all__ if not name.startswith("_"))
+    return f"{PYTHON}\n" + table("name | it is", rows)
+
+
+def page() -> str:
+    """Return the page's text."""
+    return HEAD + options() + sheets() + objects() + quantities() + movies() + python()
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), "utf-8")
