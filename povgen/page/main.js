@@ -16,7 +16,7 @@ import { moment } from "./moment.js";
 import { drawOverlay, stage } from "./overlay.js";
 import { drawCompare, drawView, view, writeFailure } from "./picture.js";
 import { player, povray } from "./player.js";
-import "./room.js";
+import { drawRoom } from "./room.js";
 import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
@@ -38,6 +38,7 @@ function rewrite() {
 
 function drawPage() {
   if (written !== spoken.language) rewrite();
+  drawRoom();  // before moment(): it says whether there is a floor
   const now = moment();
   drawView(now);
   drawTabs();
@@ -132,6 +133,6 @@ view.ready.then(() => {
   refresh();
   if (!view.gl) tour.leave();
 });
-if (document.body.classList.contains("begins")) tour.start();
+if (document.body.classList.contains("begins") && !document.body.classList.contains("present")) tour.start();
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => view.gl && ($("message").textContent = benchText(view)));
