@@ -15,12 +15,14 @@ BEYOND := $(addprefix movies/,imaging.mp4 imaging-gap.mp4 axis.mp4 refraction.mp
 # what RENDERER needs besides POV-Ray
 RENDERER_READY := $(if $(filter gl auto,$(RENDERER)),gl-deps $(VENV)/gl-ready)
 MOVIES := $(filter-out $(BEYOND),$(patsubst %.toml,%.mp4,$(wildcard movies/*.toml)))
-GALLERY := $(addprefix docs/gallery/,rotation.webp $(addsuffix .png,prisms prediction single ideal real-image far spheres \
-  pieces imaging refraction black-tops page lenticular))
+# a file for each picture
+GALLERY := docs/gallery/rotation.webp $(filter-out %/rotation.png,$(patsubst %.toml,%.png,$(wildcard docs/gallery/*.toml)))
+# these are made by one command
+FRAMES := $(patsubst %.toml,%.png,$(shell grep -l '^command' docs/gallery/*.toml))
 # those of the worksheet
 PRINTED := $(addprefix docs/worksheet/,free.png far.png near.png)
 # these compare scenes side by side
-PANELS := $(addprefix docs/gallery/,$(addsuffix .png,prisms prediction single black-tops far spheres pieces refraction lenticular))
+PANELS := $(filter-out $(FRAMES) %/page.png %.webp,$(GALLERY))
 # without volumes.xz: a checkout may leave it older than the templates, and it takes long to make
 SOURCES := $(shell find povgen templates -type f -not -path '*/__pycache__/*' -not -name volumes.xz)
 READY := $(VENV)/ready
@@ -88,17 +90,13 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 
 gallery: $(GALLERY) $(PRINTED) docs/tolerances/errors.png docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
 
-docs/gallery/ideal.png: ARGUMENTS = frame chess --quality high --sheet ideal --overlay --caption short \
-  --note 'the foot appears at P, where the curves cross'
-docs/gallery/real-image.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 180 --caption short --side-view \
-  --note 'the rays meet again in front of the sheets'
-docs/gallery/imaging.png: ARGUMENTS = frame chess --quality high --sheet ideal --alpha 120 --window alpha=120,z=2 --z2 8 \
-  --eye 0.6,0.1 --caption short --side-view --note 'together they form an image in front of them'
 $(PRINTED): ARGUMENTS = frame chess --piece king --view 2.6 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
 docs/worksheet/free.png: SHOWS = --sheet none --z1 6
 docs/worksheet/far.png: SHOWS = --sheet ideal --alpha 90 --z1 6
 docs/worksheet/near.png: SHOWS = --sheet ideal --alpha 90 --z1 2
-$(filter-out $(PANELS) docs/gallery/page.png docs/gallery/rotation.webp,$(GALLERY)) $(PRINTED): $(SOURCES) | $(READY)
+$(FRAMES): docs/gallery/%.png: docs/gallery/%.toml $(SOURCES) | $(READY)
+	eval "$(POVGEN) $$($(VENV)/bin/python docs/gallery.py $*) -o $@"
+$(PRINTED): $(SOURCES) | $(READY)
 	@mkdir -p $(@D)
 	$(POVGEN) $(ARGUMENTS) -o $@
 $(PANELS): docs/gallery/%.png: docs/panels.py $(SOURCES) | $(VENV)/charts-ready
@@ -109,8 +107,13 @@ docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(VENV)/gl-ready 
 povgen/page/poster.webp: | $(READY)
 	$(POVGEN) frame chess --quality high --sheet ideal --alpha 90 --piece knight --piece knight --x 0 --x 3.1 --z1 3 --z1 3 \
 	  --size 720x540 -o $(@:webp=png)
-	$(VENV)/bin/python -c "from PIL import Image; Image.open('$(@:webp=png)').convert('RGB').save('$@', quality=60, method=6)"
+	$(VENV)/bin/python -c "from PIL import Image; Image.open('$(@:webp=png)').convert('RGB').save('$@', quality=45, method=6)"
 	rm $(@:webp=png)
+# the mountains, for pictures and for the page
+povgen/inputs/mountains.jpg: | $(READY)
+	$(VENV)/bin/python docs/mountains.py -o $@
+povgen/liveview/mountains.webp: | $(READY)
+	$(VENV)/bin/python docs/mountains.py --width 2560 --quality 30 -o $@
 docs/gallery/page.png: docs/page_picture.py $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@
 
@@ -127,6 +130,9 @@ ray-pictures: $(VENV)/charts-ready $(VENV)/gl-ready gl-deps  ## the pictures of 
 
 docs/rooms/room.png: docs/rooms.md $(SOURCES) | $(READY)  ## the picture of the room on that page
 	sed -n "/^cat > room.toml/,/^END/{//!p}" $< | $(POVGEN) frame - --size 640x480 -o $@
+
+docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies, and the README's row of pictures
+	$(VENV)/bin/python $<
 
 docs/reference.md: $(SOURCES) docs/reference.py | $(READY)  ## tables of options, sheets, objects, quantities and names, from the code
 	$(VENV)/bin/python docs/reference.py
@@ -147,9 +153,9 @@ lint: $(VENV)/test-ready $(VENV)/lint/ready  ## checks by ruff and mypy; of the 
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[0-9]*.yml
 	$(VENV)/bin/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
 
-verify: $(VENV)/charts-ready | build  ## pictures against the equations, and where methods fail: tables; pages in build/, maps in docs/stability
-	$(POVGEN) verify --html build/verify.html
-	$(POVGEN) verify --stability --html build/stability.html -o docs/stability
+verify: $(VENV)/charts-ready  ## pictures against the equations, and where methods fail: tables, and maps in docs/stability
+	$(POVGEN) verify
+	$(POVGEN) verify --stability -o docs/stability
 
 chart: $(VENV)/charts-ready $(VENV)/live-ready $(VENV)/gl-ready $(VENV)/mitsuba/ready gl-deps | build  ## error against CPU seconds for each model and sampling: charts and tables, into docs/chart
 	$(VENV)/bin/python benchmarks/mitsuba_points.py $(VENV)/mitsuba/bin/python > build/mitsuba.csv

@@ -1,14 +1,13 @@
 """The gallery's exhibits: the scene of each picture, its .pov text, and where it can be moved.
 
-The Makefile has each picture's command. The frames of the paper's figures are those of povgen's own movies.
+The frames of the paper's figures are those of povgen's own movies.
 """
 
-import re
 import shlex
-from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlencode
 
+from gallery import pictures
 from page_picture import ADDRESS
 from panels import PANELS
 
@@ -18,7 +17,6 @@ from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES
 from povgen.sheets import PARAMETERS
 
-PROJECT = Path(__file__).parents[1]
 FIGURES = {"figure3": "vary-alpha", "figure4": "vary-z1", "figure6": "spheres"}  # figure: movie
 # the parameters that the page knows, besides those of sheets
 KNOWN = {"sheet", "alpha", "z1", "z2", "prisms", "piece", "x", "pedestal", "line", "eye", "window", "predicted_image"}
@@ -51,11 +49,11 @@ class Exhibit(NamedTuple):
 
 def exhibits() -> dict[str, Exhibit]:
     """Return the exhibit of each picture by the name of its file without suffix."""
-    makefile = (PROJECT / "Makefile").read_text("utf-8")
-    found = re.findall(r"^docs/gallery/(\w[\w-]*)\.\w+: ARGUMENTS = ((?:.*\\\n)*.*)", makefile, re.M)
-    made = {name: _of(shlex.split(text.replace("\\\n", " "))) for name, text in found}
-    words = shlex.split("movie chess --sweep alpha=0:356 --frames 90 --sheet ideal")
-    made["rotation"] = _of(words)  # docs/first_picture.py composes it of this movie and the same one through prisms
+    made = {name: _of(shlex.split(each["command"])) for name, each in pictures().items() if "command" in each}
+    twins = "--piece knight --piece knight --x 0 --x 3.3 --z1 3 --z1 3"
+    made["rotation"] = _of(
+        shlex.split(f"movie chess --sweep alpha=0:357 --frames 120 --sheet ideal {twins}")
+    )  # docs/first_picture.py composes it of this movie and the same one through prisms
     for name, panels in PANELS.items():
         made[name] = Exhibit(panels[-1].scene, [], _address_without_view(panels[-1].scene))
     made["page"] = Exhibit(Chess(sheet="ideal"), ["demo"], ADDRESS.removeprefix("#"))

@@ -30,7 +30,7 @@ class Preset(NamedTuple):
 QUALITIES = {
     "draft": Preset((320, 240), ("1.5x", (1, 0.1, 2)), frames=0.8),
     # the paper's three movies are made in 5 minutes on two cores
-    "standard": Preset((960, 720), ("1.5x", (1, 0.1, 2)), movie_size=(440, 330)),
+    "standard": Preset((960, 720), ("1.5x", (1, 0.1, 2)), movie_size=(424, 318)),
     # players and editors expect 30 frames a second
     "high": Preset((960, 720), ("2x", (1, 0.1, 3)), frame_rate=30),
     "hd": Preset((1920, 1080), ("2x", (1, 0.1, 3)), frame_rate=30),
@@ -302,6 +302,15 @@ class Rendering(Sampling):
     @property
     def format(self) -> tuple[str, ...]:
         return ("+FE",) if self.is_light else super().format
+
+    @property
+    def is_wide(self) -> bool:
+        """Whether texts and the side view stand beside the picture, so that all together have the asked size.
+
+        In a lower picture they would be too small.
+        """
+        width, height = self.size
+        return 2 * width >= 3 * height and height >= 480
 
     @property
     def annotated(self) -> bool:

@@ -10,7 +10,8 @@ import os
 import re
 from collections.abc import Callable
 from dataclasses import field
-from functools import lru_cache
+from functools import cache, lru_cache
+from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
 from weakref import WeakValueDictionary
@@ -26,7 +27,8 @@ from povgen.record import held
 
 MAX_BYTES = 10**8  # of a file
 WIDTH = 2.0  # of a copy of the floor's picture, tiles
-NAME = re.compile(r"picture-[0-9a-f]{64}\.(?:png|hdr)|rays-[0-9a-f]{64}\.inc")
+MOUNTAINS = Path(__file__).with_name("mountains.jpg")  # `make povgen/inputs/mountains.jpg` computes it
+NAME = re.compile(r"picture-[0-9a-f]{64}\.(?:png|hdr|jpg)|rays-[0-9a-f]{64}\.inc")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -74,6 +76,13 @@ class Picture:
     @model_serializer
     def __str__(self) -> str:
         return f"{self.path}{self.options}".encode(errors="backslashreplace").decode()
+
+
+@cache
+def mountains() -> File:
+    """Return the panorama of povgen's own mountains."""
+    content = MOUNTAINS.read_bytes()
+    return kept(f"picture-{sha256(content).hexdigest()}.jpg", content)
 
 
 def sky(value: object) -> Picture | None:
@@ -130,7 +139,10 @@ def _path(value: object) -> str:
 
 def used(text: str) -> dict[str, bytes]:
     """Return the new files that a scene's text names: their contents, by their names."""
-    return {name: _files[name].content for name in dict.fromkeys(NAME.findall(text)) if name in _files}
+    names = dict.fromkeys(NAME.findall(text))
+    if names:
+        mountains()  # the text may come from another process
+    return {name: _files[name].content for name in names if name in _files}
 
 
 def _picture(path: str, options: str, width: float) -> Picture:

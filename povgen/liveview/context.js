@@ -29,7 +29,7 @@ export class Context {
   // Make the texture of a picture, in the place of an earlier one. Its colours become linear light before they are interpolated.
   makePicture(part) {
     const { gl } = this, image = this.shapes.images[part];
-    const { unit, wraps } = { sky: { unit: 2, wraps: [gl.REPEAT, gl.CLAMP_TO_EDGE] }, floor: { unit: 3, wraps: [gl.REPEAT, gl.REPEAT] }, cards: { unit: 4, wraps: [gl.CLAMP_TO_EDGE, gl.CLAMP_TO_EDGE] } }[part];
+    const { unit, wraps } = { sky: { unit: 2, wraps: [gl.REPEAT, gl.CLAMP_TO_EDGE] }, floor: { unit: 3, wraps: [gl.REPEAT, gl.REPEAT] }, cards: { unit: 4, wraps: [gl.CLAMP_TO_EDGE, gl.CLAMP_TO_EDGE] }, mountains: { unit: 5, wraps: [gl.REPEAT, gl.CLAMP_TO_EDGE] } }[part];
     gl.activeTexture(gl.TEXTURE0 + unit);
     const size = [image.width, image.height], old = this.textures[part];
     if (String(old?.size) !== String(size)) {

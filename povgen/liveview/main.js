@@ -1,7 +1,7 @@
 // The page that shows the live view alone. In Jupyter it exchanges values with Python, by way of liveview/widget.js.
 
 import { onArrows, onDrag } from "./pointer.js";
-import { camera } from "./presets.js";
+import { camera, steppedEye } from "./presets.js";
 import { benchText } from "./readout.js";
 import { LiveView } from "./view.js";
 
@@ -35,11 +35,10 @@ function within(angle) {
   return ((((angle + 180) % 360) + 360) % 360) - 180;
 }
 
-// The scene's eye after a step to the right and up. That of a room goes along its picture's sides, and still looks at the middle.
-function movedEye({ objects, eye, ...scene }, [x, y]) {
-  if (!objects) return [eye[0] + x, eye[1] + y].map((place) => Math.max(-FARTHEST, Math.min(FARTHEST, place)));
-  const { right, up } = camera({ objects, eye, ...scene });
-  return { ...eye, ...Object.fromEntries(["x", "y", "z"].map((name, k) => [name, eye[name] + x * right[k] + y * up[k]])) };
+// The scene's eye after a step to the right and up.
+function movedEye(scene, [x, y]) {
+  if (scene.objects) return steppedEye(scene, [x, y]);
+  return [scene.eye[0] + x, scene.eye[1] + y].map((place) => Math.max(-FARTHEST, Math.min(FARTHEST, place)));
 }
 
 // By dragging and the arrow keys the eye moves; with Shift, alpha of a preset's first window changes. Call `moved` with what a user

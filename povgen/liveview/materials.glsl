@@ -13,12 +13,10 @@ vec3 {{ name }}(float value) { return {{ colours | interpolated }}; }
 
 const float PI = 3.14159265358979, pi = PI;  // pi in formulas
 float Trunk(float x, float y, float z);
-vec3 Heights(float A);
 {% for head, text in materials.FORMULAS.items() %}
 float {{ head | replace("(", "(float ") | replace(", ", ", float ") }} { return {{ text | floats }}; }
 {% endfor %}
 float Trunk(float x, float y, float z) { return length(vec2(TrunkX(x, y, z), TrunkZ(y, z))); }
-vec3 Heights(float A) { return vec3(Mountain(A), SnowLine(A), 0); }
 
 // ---- floor.pov.j2 ----
 #ifdef FLOOR_PICTURE
@@ -97,22 +95,20 @@ uniform int background;  // one of these; 0: the sky
 
 #ifdef SKY_PICTURE
 uniform sampler2D skyPicture;
+#else
+uniform sampler2D mountains;
 #endif
 
+{% set strip = materials.PANORAMA %}
 // The direction d is a unit vector.
 vec3 skyColour(vec3 d) {
   if (background == BLACK || background == WHITE) return vec3(background - BLACK);
 #ifdef SKY_PICTURE
   return textureLod(skyPicture, vec2(0.5 + atan(d.x, d.z) / (2.0 * pi), 0.5 - asin(clamp(d.y, -1.0, 1.0)) / pi), 0.0).rgb;
 #else
-  float top = 2.0 * {{ materials.MOUNTAIN_TOP }} - 1.0, land = 2.0 * {{ materials.LAND_TOP }} - 1.0;
-  if (d.y > top) return SkyPigment(d.y);
-  if (d.y < 0.0 && !hasFloor) return PlainPigment(-d.y);
-  float azimuth = atan(d.x, d.z) / pi, rise = Rise(d.x, d.y, d.z), sunlit = Sunlit(azimuth, rise);
-  vec3 heights = Heights(azimuth);
-  vec3 mountain = mix(RockPigment(sunlit), SnowPigment(sunlit), Above(rise - heights.y));
-  vec3 far = mix(mountain, SkyPigment(d.y), Above(rise - heights.x));
-  if (d.y > land) return far;
-  return mix(FoothillPigment(FoothillHaze(d.x, d.y, d.z)), far, Above(rise - Foothill(azimuth)));
+  if (d.y < 0.0) return PlainPigment(-d.y);
+  float row = (d.y - {{ strip.low }}) / ({{ strip.high }} - {{ strip.low }});
+  vec3 mountain = textureLod(mountains, vec2(0.5 + atan(d.x, d.z) / (2.0 * pi), 1.0 - row), 0.0).rgb;
+  return mix(mountain, SkyPigment(d.y), clamp((d.y - {{ strip.whole }}) / ({{ strip.gone }} - {{ strip.whole }}), 0.0, 1.0));
 #endif
 }

@@ -71,7 +71,14 @@ export function camera(scene) {
 export const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 const unit = (v) => v.map((x) => x / Math.hypot(...v));
 
-export const isTurned = ({ axes }) => String(axes) !== String(AXES);
+// A room's eye after a step along its picture's right and upper side, tiles. It still looks at the middle.
+export function steppedEye(scene, [x, y]) {
+  const { right, up } = camera(scene);
+  return { ...scene.eye, ...Object.fromEntries(["x", "y", "z"].map((name, k) => [name, scene.eye[name] + x * right[k] + y * up[k]])) };
+}
+
+// A window that a slider can turn says so: then the shader is the same before and after.
+export const isTurned = ({ axes, turned = false }) => turned || String(axes) !== String(AXES);
 
 // How far away a floor ends: POV-Ray does not show what is farther away.
 export const horizon = (scene) => 1e7 / tile(openings(scene));

@@ -63,6 +63,7 @@ export function uniforms(scene, { names, places }) {
     skyPicture: 2,
     floorPicture: 3,
     cardPictures: 4,
+    mountains: 5,
     cardPlace: cards?.places ?? [],
     floorTiles: floor?.tiles ?? [1, 1],
     floorMean: floor?.mean ?? [0, 0, 0],

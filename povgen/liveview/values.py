@@ -35,7 +35,9 @@ def values(scene: Scene) -> dict[str, Any]:
     found = _preset(scene) if isinstance(scene, AxialScene) else _room(scene)
     about: dict[str, dict[str, Any]] = {"cards": {"places": shader.cards(scene).places}}
     about |= {part: {"tiles": each.tiles, "mean": each.mean} for part, each in shader.surroundings(scene).items()}
-    pictures = {part: {"data": _data(file), **about[part]} for part, file in shader.pictures(scene).items()}
+    # not the mountains, which every page has (povgen/liveview/scripts.html.j2)
+    shown = {part: file for part, file in shader.pictures(scene).items() if part in about}
+    pictures = {part: {"data": _data(file), **about[part]} for part, file in shown.items()}
     return found | {
         "name": scene.name,
         "pupil": scene.pupil,

@@ -9,6 +9,8 @@ import { Schedule } from "./scheduling.js";
 import { field } from "./pieceShape.js";
 import { objects } from "./presets.js";
 
+const MOUNTAINS = { data: document.getElementById("mountains").textContent };
+
 export class LiveView extends Schedule {
   // `scene` has the names and units of povgen's scenes. `volumes`: { grid, pieces: { name: { place, data, most } } }.
   // If the view cannot be shown, `failed` is called with a name of the table `failures` (povgen/liveview/languages/), and with what
@@ -99,6 +101,14 @@ export class LiveView extends Schedule {
     this.again();
   }
 
+  // Draw no more, and give the context back.
+  close() {
+    this.observers.forEach((observer) => observer.disconnect());
+    this.inSight = false;
+    this.canvas = this.canvas.cloneNode();  // so that nothing is told of what happens to the old one
+    this.context?.gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+
   start() {
     const gl = this.canvas.getContext("webgl2", { antialias: false, powerPreference: "high-performance" });
     // Rays are summed in textures of 32-bit numbers, or of 16-bit numbers, as on some phones.
@@ -133,7 +143,7 @@ export class LiveView extends Schedule {
   // Read the distance fields of the pieces that the scene shows, and its pictures.
   async loadShown({ grid, pieces }) {
     await null;  // a page changes the scene when it begins
-    const { pictures } = this.scene, { names, fields, images } = this.shapes;
+    const pictures = { mountains: MOUNTAINS, ...this.scene.pictures }, { names, fields, images } = this.shapes;
     const reading = this.pieces.map(async (k) => (fields[k] = await field(pieces[names[k]], grid)));
     const decoding = Object.entries(pictures).map(([part, { data }]) => (images[part] = Object.assign(new Image(), { src: data })).decode());
     await Promise.all([...reading, ...decoding]);

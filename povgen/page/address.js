@@ -34,13 +34,15 @@ export const lasting = () => ({
 });
 
 export function toHash() {
-  const asked = QUESTIONS[state.question];
+  const asked = QUESTIONS[state.question], moved = Object.entries(session.moved).map(([name, x]) => [name, short(x)]);
   /** @type {Record<string, string>} */
-  const parts = asked?.own ? {} : settings();  // a teacher's question has its own, and its link is short
+  const parts = session.room ? { room: session.room, ...Object.fromEntries(moved) } : asked?.own ? {} : settings();  // a teacher's question has its own, and its link is short
+  if (session.room) return hashOf(parts);
   if (asked) parts.question = asked.name;
   else if (session.measuring) parts.panel = "measure";
-  return `#${Object.entries({ ...parts, ...lasting() }).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
+  return hashOf(parts);
 }
+const hashOf = (parts) => `#${Object.entries({ ...parts, ...lasting() }).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 
 // Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
 // answer has not been revealed is shown as before its answer; the others, if the address does not say more, as with it.
@@ -59,6 +61,8 @@ export function fromHash(hash) {
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
   if (!complete) session.refusals = [say("asking.own_cut")];
+  session.room = given.get("room") ?? "";
+  session.moved = Object.fromEntries([...given].filter(([name, x]) => name.includes(".") && isNumber(x)).map(([name, x]) => [name, Number(x)]));
   [session.replaced, session.own, session.drawn, session.measuring] = [null, {}, null, given.get("panel") === "measure"];
 }
 

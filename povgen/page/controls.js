@@ -159,8 +159,10 @@ for (const input of document.querySelectorAll(".choice input")) {
 }
 for (const name of data.pieces) $("piece").append(new Option("", name));
 on("beyond", "change", () => {
+  const { value } = $("beyond");
   player.reset();
-  chooseBeyond($("beyond").value);
+  if (value in data.rooms.examples) Object.assign(session, { room: value, moved: {} });
+  else chooseBeyond(value);
 });
 for (const name of ["sheet", "sheet2"]) {
   on(`of-${name}`, "change", ({ target }) => {
@@ -349,7 +351,7 @@ const needs = (target, key) => target.matches("select, textarea, input:not([type
 
 document.addEventListener("keydown", (event) => {
   const { target, key } = event;
-  if (!$("shortcuts").checked || $("teach").open || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
+  if (!$("shortcuts").checked || document.querySelector("dialog[open]") || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
   const action = KEYS[key.toLowerCase()];
   if (!action) return;
   event.preventDefault();

@@ -24,6 +24,7 @@ OWN = sorted(
 LANGUAGES = sorted(path.stem for path in languages.FOLDER.glob("*.toml"))
 # what a question can ask for, and its sentences can state: povgen/page/questions.js computes it
 QUANTITIES = ["nu", "far", "M", "size", "image", "shift", "height", "reach", "field", "slope"]
+NUMBERS = [name for name in RANGES if name not in ("axis", "focus")]  # settings that are numbers
 MOMENTS = ["start", "end", "change", "ratio", "free_start", "free_end"]
 Pair = tuple[float, float]
 Positive = Annotated[float, Field(gt=0)]
@@ -153,10 +154,12 @@ def _question(name: str, table: dict[str, Any], words: dict[str, Any], pieces: C
     data |= {key: settings(getattr(question, key), pieces) for key in ("start", "end")}
     if sum([question.answer is not None, question.goal is not None, question.match]) != 1:
         raise InputError("no answer, or more than one; allowed: one of answer, goal and match")
+    if question.match and not {"alpha", "z1"} <= data["end"].keys():
+        raise InputError(f"end = {shown(question.end)}: no picture to match; allowed: with alpha and z1")
     texts = _words(QuestionWords, words)
     counts = {len(text.get("choices", ())) for text in texts.values()}
-    if len(counts) > 1:
-        raise InputError(f"the languages have {shown(sorted(counts))} choices; allowed: the same number")
+    if len(counts) > 1 or counts == {1}:
+        raise InputError(f"the languages have {shown(sorted(counts))} choices; allowed: the same number, 2 to 20")
     [count] = counts
     _check_answer(question, count)
     for language, text in texts.items():
@@ -182,7 +185,7 @@ def _check_answer(question: Question, count: int) -> None:
         raise InputError(f"{said}: without choices, a number is asked for; allowed: with tolerance and unit")
 
 
-_VALUES = [*QUANTITIES, *RANGES]
+_VALUES = [*QUANTITIES, *NUMBERS]
 _COMPUTED = [f"{moment}.{value}" for moment in MOMENTS for value in _VALUES]
 
 
@@ -197,7 +200,7 @@ def _tour(name: str, table: dict[str, Any], words: dict[str, Any], pieces: Colle
     tour = Tour(**table)
     steps = []
     for step in (*([tour.intro] if tour.intro else []), *tour.tour):
-        _allowed("moves", step.moves, RANGES)
+        _allowed("moves", step.moves, NUMBERS)
         steps.append({**dict(step), "shows": settings(step.shows, pieces)})
     intro = steps.pop(0) if tour.intro else None
     texts = _words(TourWords, words, steps=len(steps))

@@ -16,7 +16,8 @@ import { moment } from "./moment.js";
 import { drawOverlay, stage } from "./overlay.js";
 import { drawCompare, drawView, view, writeFailure } from "./picture.js";
 import { player, povray } from "./player.js";
-import { drawRoom } from "./room.js";
+import { drawBehind } from "./room.js";
+import { drawRoom } from "./rooms.js";
 import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
@@ -38,7 +39,7 @@ function rewrite() {
 
 function drawPage() {
   if (written !== spoken.language) rewrite();
-  drawRoom();  // before moment(): it says whether there is a floor
+  drawBehind();  // before moment(): it says whether there is a floor
   const now = moment();
   drawView(now);
   drawTabs();
@@ -57,6 +58,7 @@ function drawPage() {
   player.draw(now);
   tour.draw();
   povray.draw();
+  drawRoom();
   if (tour.step >= 0) speak(now);
   later("speak", 900, () => speak(now));
   later("address", 400, keepAddress);
@@ -91,7 +93,7 @@ for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]
 
 // The browser's Back leads to what was shown before another one of these was chosen. All other changes, such as those of a slider, are
 // kept in the present entry of the browser's history.
-const chosen = () => JSON.stringify(pick(state, "scene", "sheet", "windows", "sheet2", "question", "level", "large"));
+const chosen = () => JSON.stringify({ ...pick(state, "scene", "sheet", "windows", "sheet2", "question", "level", "large"), room: session.room });
 
 export function keepAddress() {
   if (pressed) return later("address", 400, keepAddress);

@@ -17,7 +17,7 @@ from povgen.inputs.pieces import PIECES, Piece, PieceFile, radius
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
 from povgen.optics import uncertainty
-from povgen.page import items
+from povgen.page import items, rooms
 from povgen.page.address import ALL_KINDS, CHOICES, KEPT, PAGES, RANGES, SWITCHES
 from povgen.progress import say
 from povgen.record import check_unasked, recorded_call, save
@@ -118,6 +118,7 @@ def data(
         "pedestals": {name: radius(piece) + PEDESTAL_EDGE for name, piece in shown.items()},
         "volumes": stored(shapes or {}),
         "presets": presets,
+        "rooms": rooms.data([*shown]),
         "limits": {
             "condition": limits.MAX_CONDITION,
             "error": limits.MAX_ERROR,

@@ -29,7 +29,7 @@ const IN_DEGREES = ["nu", "far", "field"];
 
 // A quantity of what the page shows with these settings, or one of the settings.
 function quantityAt(name, values) {
-  if (!(name in QUANTITIES)) return values[name];
+  if (!(name in QUANTITIES)) return values[name] ?? OPENING[name];
   const kept = { ...state };
   Object.assign(state, values);
   try {

@@ -46,11 +46,11 @@ function around(source, [width, height], most) {
 
 function show(picture) {
   room = picture;
-  drawRoom();
+  drawBehind();
 }
 
 // The guided start speaks of the mountains and the floor: it shows them.
-export function drawRoom() {
+export function drawBehind() {
   const touring = tour.step >= 0, picture = touring ? null : room;
   session.floor = touring || $("room-floor").checked;
   if (picture === drawn) return;
@@ -105,7 +105,7 @@ $("all-around").addEventListener("change", () => {
 });
 $("room-place").addEventListener("input", () => showPhoto(WIDTH.MOVED));
 $("room-place").addEventListener("change", () => showPhoto());
-on("room-floor", "change", drawRoom);
+on("room-floor", "change", drawBehind);
 $("room-close").addEventListener("click", () => {
   $("room-open").click();
   $("room-open").focus();

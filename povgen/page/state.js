@@ -55,6 +55,8 @@ export const session = {
   zoom: 1,            // and its size
   floor: true,        // whether there is one: the user's own room can do without
   twin: 0,            // where the piece stands a second time: x, tiles; 0: nowhere
+  room: "",           // a room in place of all this: an example's name, or its file, scrambled
+  moved: {},          // the numbers of its eye and its windows that were changed, as "left.alpha"
   marked: "",         // the quantity that is marked in the drawings
   pinned: "",         // the one that stays marked
 };

@@ -7,13 +7,15 @@ the distance, in the plane z = 0, between two apparent places of a point behind 
 paraxial prediction for the prisms. The second place is where the cheaper model shows the point: by eq. 7 (ideal sheet),
 or where the straight line from the eye to the point crosses z = 0 (no sheet). The error of the picture is measured as
 FLIP (Andersson et al. 2020), a perceptual difference of two pictures, 0 to 1. For this, small blocks of the window are
-rendered with each candidate. Each block is compared with the same block of the converged picture. POV-Ray renders that
-picture through the scene's prisms, with the sampling `flip.CONVERGED`.
+rendered with each candidate. Each block is compared with the same block of the converged picture. The candidate's
+renderer renders that picture through the scene's prisms, with the sampling `flip.CONVERGED`. So POV-Ray is not needed
+for the candidates of gl, which are tried first.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from math import inf, isnan, nan, radians, sqrt
 from typing import Any, Literal, TypeVar, Unpack, cast
 
@@ -47,13 +49,15 @@ FAR_DISTANCE = 1000.0  # tiles: the distance that represents the horizon and the
 # filter needs pixels beyond a block's edge.
 IDEAL_SAMPLINGS = ("off", "1,0.1,2", "1,0.1,4")
 PRISM_SAMPLINGS = ("off", "1,0.9,2", "1,0.5,2", "1,0.1,2", "1,0.1,3", "1,0.1,4")
-# Through prisms, the renderer gl uses 2x to 4x: with as many rays, samplings like 1,0.1,3 have a greater error. Its
-# blocks are cut out of whole pictures, which have the pixels that the filter needs.
+# Through prisms, the renderer gl uses 2x to 4x: with as many rays, samplings like 1,0.1,3 have a greater error. Around
+# its blocks it draws the pixels that the filter needs.
 GL_PRISM_SAMPLINGS = ("off", "2x", "3x", "4x")
 RENDERERS = ("gl", "povray")  # the cheapest first: for the same sheets, gl needs a tenth to a third of the CPU time
 # A mosaic is a small picture: blocks of the window's pixels, side by side.
 MAX_SHARE = 0.11  # the fraction of the window's pixels that a mosaic contains, within the limits of MOSAIC_SIDES
 BLOCK_SIDE = 10  # pixels, approximately: many small blocks represent the window better than a few large blocks
+BLOCK_SIDE_GL = 20  # gl draws each block as a picture of its own
+EDGE = 2  # pixels around such a block, for the filter
 MIN_BLOCKS = 4  # blocks in a row and in a column
 MOSAIC_SIDES = 20, 100  # limits of a mosaic's side, pixels; it is smaller after rounding, or in a smaller window
 MAX_FRAMES = 8  # the greatest number of a movie's frames that are tried
@@ -184,20 +188,24 @@ def choose(
     reason = f"; {ladders[0][0]} exceeds it" if len(kept) < len(ladders) else ""
     if tolerance.flip == inf:
         return kept[0][0], f"{kept[0][0]}: the cheapest within tolerance{reason}"
-    return _cheapest(kept, _Trial(scenes, rendering), tolerance.flip, reason)
+    flip_evaluator()  # raises before anything is rendered
+    return _cheapest(kept, cache(lambda renderer: _Trial(scenes, rendering, renderer)), tolerance.flip, reason)
 
 
-def _cheapest(ladders: Sequence[list[Candidate]], trial: "_Trial", most: float, reason: str) -> tuple[Candidate, str]:
+def _cheapest(
+    ladders: Sequence[list[Candidate]], trial: Callable[[str], "_Trial"], most: float, reason: str
+) -> tuple[Candidate, str]:
     """Return the cheapest candidate whose FLIP + margin is at most `most`, and one line with the reason.
 
     A ladder is a list of candidates, the cheapest first. The ladders are searched in turn, each by bisection. A tried
-    candidate is replaced in its ladder by one with its errors. Raises InputError if no candidate is found.
+    candidate is replaced in its ladder by one with its errors. `trial` returns the comparison for a renderer. Raises
+    InputError if no candidate is found.
     """
     for ladder in ladders:
         low, high = 0, len(ladder)  # candidates below `low` exceed the tolerance, candidates from `high` up meet it
         while low < high:
             middle = (low + high) // 2
-            tried = ladder[middle] = trial.of(ladder[middle])
+            tried = ladder[middle] = trial(ladder[middle].renderer).of(ladder[middle])
             if tried.flip + tried.margin <= most:
                 high = middle
             else:
@@ -230,19 +238,19 @@ def _gl_can_draw(scenes: Sequence[AxialScene], timeout: float) -> bool:
 
 
 class _Trial:
-    """The comparison of candidates with the converged picture, on small blocks of the windows of a few scenes."""
+    """The comparison of a renderer's candidates with its converged picture, on small blocks of a few windows."""
 
-    def __init__(self, scenes: Sequence[AxialScene], rendering: Rendering) -> None:
-        flip_evaluator()  # raises before anything is rendered
+    def __init__(self, scenes: Sequence[AxialScene], rendering: Rendering, renderer: str) -> None:
         chosen = np.unique(np.linspace(0, len(scenes) - 1, MAX_FRAMES).round().astype(int))
-        self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], rendering.size))]
+        side = BLOCK_SIDE if renderer == "povray" else BLOCK_SIDE_GL
+        self.mosaics = [(scenes[n], found) for n in chosen if (found := mosaic(scenes[n], rendering.size, side))]
         self.size, self.timeout = rendering.size, rendering.timeout
-        self.converged = self._pictures("detailed", CONVERGED)
+        self.pictures = self._by_povray if renderer == "povray" else self._by_gl
+        self.converged = self.pictures("detailed", CONVERGED)
 
     def of(self, candidate: Candidate) -> Candidate:
         """Return the candidate with its mean FLIP and its margin, from the scene where their sum is greatest."""
-        make = self._pictures if candidate.renderer == "povray" else self._cut
-        pictures = make(candidate.sheet, candidate.antialias)
+        pictures = self.pictures(candidate.sheet, candidate.antialias)
         worst = (0.0, 0.0)  # the result if no window is visible
         for (_, part), picture, converged in zip(self.mosaics, pictures, self.converged, strict=True):
             blocks = _flip(picture, converged, part.side)
@@ -255,7 +263,7 @@ class _Trial:
             worst = max(worst, (float(blocks.mean()), margin), key=sum)
         return replace(candidate, flip=worst[0], margin=worst[1])
 
-    def _pictures(self, sheet: str, antialias: str) -> list[Picture]:
+    def _by_povray(self, sheet: str, antialias: str) -> list[Picture]:
         def render(source: str, part: Mosaic) -> Picture:
             size = part.side * len(part.blocks[0]), part.side * len(part.blocks)
             rendering = _MosaicRendering(size=size, antialias=antialias, timeout=self.timeout)
@@ -269,28 +277,36 @@ class _Trial:
             texts = [to_pov(scene.model_copy(update={"sheet": sheet}), part) for scene, part in self.mosaics]
             return list(pool.map(render, texts, [part for _, part in self.mosaics]))
 
-    def _cut(self, sheet: str, antialias: str) -> list[Picture]:
-        """Return the mosaics, cut out of whole pictures that the renderer gl draws."""
-        runner, rendering = (
-            gl_runner.Runner(),
-            Rendering(renderer="gl", size=self.size, antialias=antialias, timeout=self.timeout),
-        )
+    def _by_gl(self, sheet: str, antialias: str) -> list[Picture]:
+        runner = gl_runner.Runner()
+
+        def block(scene: AxialScene, corner: Sequence[int], side: int) -> Picture:
+            """Draw the part of the scene's picture that begins at this pixel: it is a picture of its own."""
+            across, extent = scene.view / self.size[1], side + 2 * EDGE
+            x, y = ((start + side / 2 - all_ / 2) * across for start, all_ in zip(corner, self.size, strict=True))
+            own = {"look": (scene.middle.real + x, scene.middle.imag - y), "view": extent * across}
+            rendering = _MosaicRendering(
+                renderer="gl", size=(extent, extent), antialias=antialias, timeout=self.timeout
+            )
+            source = gl_scene.to_text(scene.model_copy(update=own), shapes, found)
+            with temporary_folder() as folder:
+                return read_png(runner.run(source, rendering, folder))[EDGE:-EDGE, EDGE:-EDGE]
+
         mosaics = []
         for scene, part in self.mosaics:
             shown = scene.model_copy(update={"sheet": sheet})
-            source = gl_scene.to_text(shown, volumes(pieces(shown), timeout=self.timeout), survey_cache.found(shown))
-            with temporary_folder() as folder:
-                whole = read_png(runner.run(source, rendering, folder))
-            rows = [[whole[y : y + part.side, x : x + part.side] for x, y in row] for row in part.blocks]
+            shapes, found = volumes(pieces(shown), timeout=self.timeout), survey_cache.found(shown)
+            rows = [[block(shown, corner, part.side) for corner in row] for row in part.blocks]
             mosaics.append(np.vstack([np.hstack(row) for row in rows]))
         return mosaics
 
 
-def mosaic(scene: AxialScene, size: tuple[int, int]) -> Mosaic | None:
+def mosaic(scene: AxialScene, size: tuple[int, int], block_side: int = BLOCK_SIDE) -> Mosaic | None:
     """Return blocks of the window's pixels, or None if no pixel shows the window.
 
     The places where a block can begin are divided into equal parts. In each part, one block begins at a random place,
-    the same one each time. Neighbouring blocks can overlap. `size` is the picture's width and height, in pixels.
+    the same one each time. Neighbouring blocks can overlap. `size` is the picture's width and height, in pixels. The
+    sides of a block have about `block_side` pixels.
     """
     inside, _ = camera.rays(scene, size)
     if not inside.any():
@@ -298,7 +314,7 @@ def mosaic(scene: AxialScene, size: tuple[int, int]) -> Mosaic | None:
     y, x = camera.window(scene, size)
     height, width = y.stop - y.start, x.stop - x.start
     whole = min(float(np.clip(sqrt(MAX_SHARE * height * width), *MOSAIC_SIDES)), height, width)
-    count = max(MIN_BLOCKS, round(whole / BLOCK_SIDE))
+    count = max(MIN_BLOCKS, round(whole / block_side))
     side = max(1, int(whole / count) // 2 * 2)  # an even number, or 1: if it is even, 1.5 * side is a whole number
     shift = np.random.default_rng(1).uniform(size=(2, count, count))
     rows = y.start + ((np.arange(count)[:, None] + shift[0]) / count * (height - side)).round().astype(int)

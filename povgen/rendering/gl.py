@@ -20,6 +20,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 from PIL.Image import fromarray
+from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
 
 from povgen import stopping
@@ -187,20 +188,21 @@ class Drawer:
         self.fields[key].use(1)
 
     def _pictures(self, files: dict[str, bytes]) -> None:
-        """Put the pictures of sky, floor and boards, PNG or Radiance files, into textures."""
+        """Put the pictures of sky, floor and boards, and the mountains, into textures."""
         self.pictures = {key: texture for key, texture in self.pictures.items() if key in files.items()}
         for key in files.items():
             if key not in self.pictures:
                 texture = self._texture(key[1])
                 texture.repeat_x, texture.repeat_y = True, key[0] == "floor"
                 self.pictures[key] = texture
-            self.pictures[key].use({"sky": 2, "floor": 3, "cards": 4}[key[0]])
+            self.pictures[key].use({"sky": 2, "floor": 3, "cards": 4, "mountains": 5}[key[0]])
 
     def _texture(self, file: bytes) -> Any:  # noqa: ANN401  (moderngl's)
         if file.startswith(hdr.MARK):
             light = hdr.read(file).astype(np.float16)
             return self.gl.texture(light.shape[1::-1], 3, light.tobytes(), alignment=1, dtype="f2")
-        with PngImageFile(BytesIO(file)) as image:
+        kind = JpegImageFile if file.startswith(b"\xff\xd8") else PngImageFile
+        with kind(BytesIO(file)) as image:
             return self.gl.texture(image.size, 3, image.tobytes(), alignment=1, internal_format=SRGB8)
 
 

@@ -28,9 +28,6 @@ COLOUR_MAPS = {
         "0.33": "0.16, 0.36, 0.70",
         "0.71": "0.05, 0.16, 0.44",
     },
-    "RockPigment": {"0": "0.23, 0.31, 0.45", "1": "0.42, 0.44, 0.48"},
-    "SnowPigment": {"0": "0.55, 0.66, 0.83", "1": "1.00, 0.96, 0.90"},
-    "FoothillPigment": {"0": "0.66, 0.74, 0.80", "1": "0.27, 0.40, 0.38"},
     "PlainPigment": {
         "0": "0.66, 0.74, 0.80",
         "0.06": "0.36, 0.42, 0.42",
@@ -54,7 +51,7 @@ FINISHES = {
     "sphere": ("0.05", "0.75", "0.5", "0.02"),
 }
 
-# x, y and z are a point's; for the sky, a direction's.
+# x, y and z are a point's.
 FORMULAS = {
     "StoneVein(x, y, z)": "abs(sin(1.3*x + 0.9*z + 1.9*sin(0.9*z - 0.5*x) + 0.9*sin(2.3*x + 1.7*z)"
     " + 0.35*sin(5.3*z - 4.1*x) + 0.15*sin(13*x + 9*z)))",
@@ -70,16 +67,6 @@ FORMULAS = {
     "Late(G)": "pow(max(0, 0.5 + 0.5*sin(G + 0.8*sin(G))), 3)",
     "Rings(x, y, z)": "0.95 - 0.85*Late(Growth(Trunk(x, y, z)))"
     " + 0.05*sin(150*x + 5*sin(1.3*y))*sin(130*z + 4*sin(1.7*y))",
-    "Rise(x, y, z)": "y/sqrt(x*x + z*z + 1e-6)",
-    "Zigzag(T)": "1 - 2*abs(T - floor(T + 0.5))",
-    "Mountain(A)": "0.020 + 0.068*Zigzag(5*A - 0.274) + 0.050*Zigzag(11*A + 0.398) + 0.020*Zigzag(26*A + 0.127)"
-    " + 0.008*Zigzag(67*A + 0.318)",
-    "SnowLine(A)": "0.070 + 0.022*Zigzag(17*A) - 0.030*Zigzag(41*A + 0.191) + 0.012*Zigzag(97*A + 0.318)",
-    "Foothill(A)": "0.016 + 0.010*sin(7*pi*A + 2.5) + 0.005*sin(17*pi*A + 1) + 0.002*sin(43*pi*A)",
-    "Above(D)": "min(1, max(0, 0.5 + D/0.002))",
-    "Fold(A, D)": "min(1, max(0, 0.5 + 60*(Heights(A + D).x - Heights(A - D).x)))",
-    "Sunlit(A, R)": "Fold(A + 0.5*(Heights(A).x - R), 0.0013 + 0.08*(Heights(A).x - R))",
-    "FoothillHaze(x, y, z)": "min(1, max(0, Rise(x, y, z)/0.03))",
 }
 
 # The sun is low, but high enough that the frame's shadow does not fall on a piece at z1 = 2. It is a row of as many
@@ -89,11 +76,12 @@ SUN = {"direction": "-1000, 640, -400", "colour": "1.75, 1.42, 1.00", "row": "70
 SKY_LIGHT = {"direction": "100, 1200, -300", "colour": "0.13, 0.19, 0.29"}
 FLOOR_LIGHT = {"direction": "800, -150, -700", "colour": "0.13, 0.11, 0.085"}
 # With distance, the floor's pattern fades into haze. `colour` is the haze's pigment: lit by SUN and SKY_LIGHT, it has
-# the colour of the foothills' lower ends. The nearness of a point is 1 - d/`distance`, with its distance d from the
+# the colour of the mountains' lower ends. The nearness of a point is 1 - d/`distance`, with its distance d from the
 # point of the floor below the window's centre. The pattern is absent at the nearness `gone`, and full at `whole`.
 FADE = {"distance": "120", "colour": "0.842, 1.050, 1.291", "gone": "0.1", "whole": "0.9"}
-# The upper ends of the foothills and of the mountains: (1 + sine of the angle above the horizon)/2.
-LAND_TOP, MOUNTAIN_TOP = "0.517", "0.584"
+# Rows of the panorama of mountains (docs/mountains.py) go from the sine `low` of the angle above the horizon to `high`.
+# It is shown up to the sine `whole`, and fades into the sky up to `gone`.
+PANORAMA = {"low": "-0.01", "high": "0.5", "whole": "0.35", "gone": "0.45"}
 
 
 def finish(name: str) -> str:

@@ -5,6 +5,7 @@ Only this module uses Jinja2.
 
 import re
 import sys
+from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
@@ -20,6 +21,7 @@ from povgen.errors import InputError
 from povgen.files import own_folder
 from povgen.inputs.fields import rgb
 from povgen.inputs.mesh import TALLEST
+from povgen.inputs.pictures import mountains
 from povgen.inputs.pieces import FILE_RADIUS, PieceFile
 from povgen.objects import OBJECTS
 from povgen.objects.scene_object import SceneObject
@@ -86,6 +88,7 @@ def _environment() -> Environment:
         rgb=rgb,
         parameter=_parameter,
         materials=materials,
+        mountains=mountains,
         formula=formula,
         objects={kind.drawn_as or kind.kind: kind.glsl for kind in OBJECTS.values() if kind.glsl},  # for shaders
         reach=FILE_RADIUS,
@@ -125,9 +128,9 @@ def to_pov(
 ) -> str:
     """Return the scene in POV-Ray's language. Frames of a movie differ only in the values of `#declare` lines.
 
-    The header has POV-Ray's command that renders the picture. `file` is the name of the .pov file in this command.
+    The header has POV-Ray's command, with `file` as the .pov file's name. `povgen pov -o` also writes the pictures that
+    the text names: without that of the mountains, there is sky alone.
     Options are the fields size, quality and antialias of `Rendering`.
-
     With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in POV-Ray's language (SDL) that
     replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found`
     is the scene's survey (`povgen.scene.survey.survey`), if it is known already. If it is None, rays are traced.
@@ -302,7 +305,8 @@ def to_html(
     and a `poster`, a WebP picture as base64, if it has one.
     """
     template = _environment().get_template(f"{page}.html.j2")
-    return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster)
+    panorama = b64encode((PACKAGE / "liveview/mountains.webp").read_bytes()).decode()
+    return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster, panorama=panorama)
 
 
 def bare(text: str) -> str:

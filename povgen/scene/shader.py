@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from math import cos, radians, sin
 from typing import Any, NamedTuple
 
-from povgen.inputs.pictures import File, Picture
+from povgen.inputs.pictures import File, Picture, mountains
 from povgen.objects.board import Board, stacked
 from povgen.objects.scene_object import SceneObject
 from povgen.optics.faces import GlassSheet
@@ -105,8 +105,10 @@ def surroundings(scene: Scene) -> dict[str, Picture]:
 
 
 def pictures(scene: Scene) -> dict[str, File]:
-    """Return the files of the pictures that the shader reads: those of sky and floor, and that of all boards."""
+    """Return the files of the pictures that the shader reads: of sky or mountains, of the floor, and of all boards."""
     found = {part: picture.file for part, picture in surroundings(scene).items()}
+    if scene.background == "sky" and "sky" not in found:
+        found["mountains"] = mountains()
     return found | ({"cards": file} if (file := cards(scene).file) else {})
 
 
@@ -136,6 +138,7 @@ def uniforms(
         "skyPicture": 2,
         "floorPicture": 3,
         "cardPictures": 4,
+        "mountains": 5,
         "cardPlace": boards.places,
         "floorTiles": ground.tiles if ground else (1, 1),
         "floorMean": ground.mean if ground else (0, 0, 0),

@@ -26,7 +26,7 @@ MAX_FRAMES = 10000
 ROUNDING = 1e-9  # of times
 Title = Annotated[str, Field(pattern=r"^[^\p{Cc}\p{Zl}\p{Zp}]{1,200}$")]
 FrameRate = Annotated[float, Field(ge=0.1, le=120)]
-FRAMES = 71  # of a movie that does not state it
+FRAMES = 65  # of a movie that does not state it
 ROOM_TABLES = {"eye", "object", "window"}  # at least one of them makes a TOML file without a scene's name a room's
 
 

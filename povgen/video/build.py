@@ -271,7 +271,7 @@ def checked_movie(
         return output
     output = checked_output(output, encode.FORMATS, inputs=inputs)
     width, height = rendering.size
-    if rendering.side_view:
+    if rendering.side_view and not rendering.is_wide:
         height += 2 * round(MOST * height / 2)  # at most
     width *= 2 if rendering.stereo == "pair" else 1
     encode.check_size(output.suffix.lower(), width, height)

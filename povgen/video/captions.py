@@ -25,6 +25,7 @@ from povgen.video.text import text_width
 SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉"
 MOVING = 1.25  # the factor by which the text of a movie's short caption is larger: it is read while something moves
 LEAST_TURN = 2  # degrees: a movie's short caption states nu only if it changes by more than this
+NO_TURN = 1e-6  # degrees: a rounding error
 LEAST_GROWTH = 1.4  # it states the size only if the size changes by more than this factor
 MOST_NAMES = 4  # of points that are not seen
 SET = "pupil", "focus", "polariser", "analyser"  # what a full caption states if it is not the default
@@ -199,7 +200,7 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
             found.append([_said(scene, "alpha", _values(scene)["alpha"]) for scene in scenes])
         names = [next((str(each.piece) for each in getattr(scene, "pieces", ())), "") for scene in scenes]
         texts = [
-            f"{name if name in PIECES else 'object'} appears turned by {f'{nu:z.0f}°' if np.isfinite(nu) else '?'}"
+            f"{name if name in PIECES else 'object'} appears {_turn(nu)}"
             for name, nu in zip(names, turned, strict=True)
         ]
         if np.nanmax(sizes) > LEAST_GROWTH * np.nanmin(sizes):
@@ -207,6 +208,15 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
             texts = [f"{text}, magnified {size} times" for text, size in zip(texts, times, strict=True)]
         found.append(texts)
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
+
+
+def _turn(nu: float) -> str:
+    """Return how an object appears that is turned by nu, degrees. Only what is not turned at all is upright."""
+    if not np.isfinite(nu):
+        return "turned by ?"
+    if abs(nu) < NO_TURN:
+        return "upright"
+    return f"turned by {nu:z.0f}°" if round(nu) else "turned by <1°"
 
 
 def _image(scene: AxialScene) -> tuple[float, float]:

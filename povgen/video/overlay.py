@@ -57,6 +57,7 @@ def annotated(
     rendering: Rendering,
     caption: Caption | None = None,
     said: Sequence[tuple[str, Colour]] | None = None,
+    sketch: Callable[[int, int], NDArray[np.uint8]] | None = None,
 ) -> NDArray[np.uint8]:
     """Return the scene's picture with an overlay, its legend and a caption, as `rendering` asks.
 
@@ -64,7 +65,8 @@ def annotated(
     they cover no part of the picture. Their heights are even numbers of pixels. Without `caption`, the caption is made
     for this scene alone. A frame of a movie needs `caption`, because it depends on all scenes of the movie. It also
     needs `said`, the entries of the legend, which `common_legend` returns. Without `said`, they are those of the
-    function `legend`. Outlines of the pieces, and the line of a sheet, are drawn on the picture too.
+    function `legend`. Outlines of the pieces, and the line of a sheet, are drawn on the picture too. `sketch` draws the
+    side view, the last strip.
     """
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
@@ -75,6 +77,12 @@ def annotated(
     made[: len(above)], made[len(above) + height :] = above, below
     shown = made[len(above) : len(above) + height]
     shown[:] = picture
+    mark(shown, scene, rendering)
+    return np.concatenate((made, sketch(width, height))) if sketch else made
+
+
+def mark(shown: NDArray[np.uint8], scene: Scene, rendering: Rendering) -> None:
+    """Draw outlines, the line of a sheet and, if `rendering` asks for it, the overlay on the scene's picture."""
     if isinstance(scene, AxialScene):
         for outline in scene.outlines:
             _outline(scene, outline, shown)
@@ -85,8 +93,7 @@ def annotated(
     elif rendering.overlay:
         for (_, colour), places in marks(scene).items():
             for place in places:
-                _dot(shown, _pixels(np.array([place]), scene, shown), 1.1 * max(height / 180, 2), colour)
-    return made
+                _dot(shown, _pixels(np.array([place]), scene, shown), 1.1 * max(len(shown) / 180, 2), colour)
 
 
 class Item(NamedTuple):
@@ -146,19 +153,17 @@ def common_legend(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[s
     return list(dict.fromkeys(item for view in shown for item in legend(view, rendering)))
 
 
-def _broken(item: Item, most: float) -> list[Item]:
+def _broken(item: Item, most: float, size: float) -> list[Item]:
     """Return an item's lines. They are at most as wide as `most`, in units of the text's height, if no word is wider.
 
-    The lines of all frames of a movie break after the same words: `Caption.widest` has the widest of each word.
+    The lines of all frames of a movie break after the same words: `Caption.widest` has the widest of each word. They
+    are about equally wide.
     """
     width = most - SAMPLE * bool(item.colour)
-    if text_width(item.widest) <= width:
+    if text_width(item.widest, size) <= width:
         return [item]
-    lines: list[list[str]] = [[]]
-    for word in item.widest.split(" "):
-        if lines[-1] and text_width(" ".join([*lines[-1], word])) > width:
-            lines.append([])
-        lines[-1].append(word)
+    every = [_wrapped(item.widest, share * width, size) for share in np.linspace(1, 0.4, 25)]
+    lines = [each for each in every if len(each) == len(every[0])][-1]
     words = iter(item.text.split(" "))
     texts = [" ".join(islice(words, len(line))) for line in lines]
     texts[-1] = " ".join(filter(None, [texts[-1], *words]))
@@ -166,14 +171,24 @@ def _broken(item: Item, most: float) -> list[Item]:
     return [Item(text, " ".join(line), colour) for text, line, colour in zip(texts, lines, colours, strict=True)]
 
 
+def _wrapped(text: str, width: float, size: float) -> list[list[str]]:
+    """Return the words of a text in lines that are at most so wide, if no word is wider."""
+    lines: list[list[str]] = [[]]
+    for word in text.split(" "):
+        if lines[-1] and text_width(" ".join([*lines[-1], word]), size) > width:
+            lines.append([])
+        lines[-1].append(word)
+    return lines
+
+
 @lru_cache(16)  # all frames of a movie have the same
-def _rows(widths: tuple[float, ...], most: float) -> tuple[list[range], float]:
+def _rows(widths: tuple[float, ...], most: float, most_lines: int) -> tuple[list[range], float]:
     """Divide items into lines. Return the numbers, from 0, of each line's items, and the width of the longest line.
 
     `widths` are those of the items, each with the gap after it. There are as few lines as possible with lines no wider
-    than `most`, but at most LINES. The items are divided so that the longest line is as short as possible.
+    than `most`, but at most `most_lines`. The items are divided so that the longest line is as short as possible.
     """
-    for lines in range(1, min(LINES, len(widths)) + 1):
+    for lines in range(1, min(most_lines, len(widths)) + 1):
         starts = ([*places, len(widths)] for places in combinations(range(1, len(widths)), lines - 1))
         every = ([range(a, b) for a, b in pairwise([0, *places])] for places in starts)
         widest, rows = min(
@@ -184,8 +199,8 @@ def _rows(widths: tuple[float, ...], most: float) -> tuple[list[range], float]:
     return rows, widest
 
 
-def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDArray[np.uint8]:
-    """Return a strip with items for a picture of this size, in 1 to LINES lines; without items, a strip without rows.
+def strip(items: list[Item], width: int, height: int, larger: float = 1, most: int = LINES) -> NDArray[np.uint8]:
+    """Return a strip with items for a picture of this size, in 1 to `most` lines; without items, a strip without rows.
 
     The text's height is a fraction of the picture's height, times `larger`. In small pictures this fraction is greater,
     so that the text stays legible. An item that is wider than the picture is broken between words. If the items do not
@@ -197,10 +212,14 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1) -> NDAr
     free = (1 - 2 * MARGIN) * width
     whole = items
     while True:
-        items = [part for item in whole for part in _broken(item, free / size)]
+        several = [_broken(item, free / size, size) for item in whole]
+        items = [part for parts in several for part in parts]
         # the widths of items, each with the gap after it, in units of the text's height
-        widths = [text_width(item.widest) + SAMPLE * bool(item.colour) + GAP for item in items]
-        rows, widest = _rows(tuple(widths), free / size)
+        widths = [text_width(item.widest, size) + SAMPLE * bool(item.colour) + GAP for item in items]
+        # a part of a broken text has a line of its own
+        whole_lines = [len(parts) > 1 for parts in several for _ in parts]
+        needed = (max(wide, alone * free / size) for wide, alone in zip(widths, whole_lines, strict=True))
+        rows, widest = _rows(tuple(needed), free / size, most)
         if widest <= free / size:
             break
         size *= 0.95  # smaller text breaks at other words

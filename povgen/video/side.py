@@ -199,7 +199,7 @@ class Drawing:
         taken = [(0.0, 0.0, (0.6 + text_width(title)) * self.size, 1.5 * self.size)]  # left, upper, right, lower edges
         for name, around in names.items():
             for left, middle, size in _places(around, text_width(name), self.size, name in above):
-                wide = text_width(name) * size
+                wide = text_width(name, size) * size
                 x = min(max(left, 0.3 * size), image.width - wide - 0.3 * size)
                 y = min(max(middle, 0.7 * size), image.height - 0.7 * size)
                 box = x, y - 0.6 * size, x + wide, y + 0.6 * size
@@ -222,7 +222,7 @@ def _places(around: Floats, relative: float, most: float, is_above: bool) -> Ite
         beside = 1.4 + 1.6 * is_above
         places = [(beside, right + 0.4 * size, (top + bottom) / 2)]
         places += [(beside + 0.2, left - 0.4 * size - wide, (top + bottom) / 2)]
-        for lines, aside in product(range(5), (0, 0.6, -0.6, 1.2, -1.2)):
+        for lines, aside in product(range(5), (0, 0.35, -0.35, 0.6, -0.6, 1.2, -1.2)):
             x, worse = (left + right - wide) / 2 + aside * wide, lines + 10 * aside**2
             places += [(worse + wrong * is_above, x, bottom + (0.7 + lines) * size)]
             places += [(worse + wrong * (not is_above), x, top - (0.7 + lines) * size)]

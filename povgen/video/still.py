@@ -5,11 +5,11 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing
+from functools import partial
 from itertools import groupby, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
-import numpy as np
 from numpy.typing import NDArray
 from PIL.Image import Image, fromarray
 
@@ -140,17 +140,18 @@ def pictures(
         opened.callback(pool.shutdown, cancel_futures=True)
         frames = opened.enter_context(closing(render_all(once, rendering, at_once, done, cluster)))
         texts: Sequence[Caption | None] = [None] * len(once)
-        shows = said = None
+        shows = said = cut = None
         if movie and (rendering.annotated or any(notes)):
-            from povgen.video import captions, overlay, side
+            from povgen.video import captions, overlay, panel, side
 
             own = [note for _, note, _ in runs] if notes else ()
             texts, said = captions.captions(once, rendering, own), overlay.common_legend(once, rendering)
+            cut = panel.is_cut(once, rendering)
         if movie and rendering.side_view:
             shows = side.extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)
         waiting: deque[tuple[Future[NDArray[Any]], int]] = deque()
         for views, (scene, _, count), caption in zip(frames, runs, texts, strict=True):
-            waiting.append((pool.submit(picture, views, scene, rendering, caption, shows, said), count))
+            waiting.append((pool.submit(picture, views, scene, rendering, caption, shows, said, cut), count))
             if len(waiting) > made_at_once:
                 made, times = waiting.popleft()
                 yield from repeat(made.result(), times)
@@ -284,11 +285,13 @@ def picture(
     caption: "Caption | None" = None,
     shows: "Extent | None" = None,
     said: "Sequence[tuple[str, Colour]] | None" = None,
+    cut: bool | None = None,
 ) -> NDArray[Any]:
     """Return the scene's picture from the rendered frames of its `views`, as `render` does.
 
     Each frame gets the overlay, the caption and the side view that `rendering` asks for. In a movie, `caption`, `shows`
-    (the extent of the side view) and `said` (the legend) must be given, because they depend on all scenes of the movie.
+    (the extent of the side view), `said` (the legend) and `cut` (`panel.is_cut`) must be given, because they depend on
+    all scenes of the movie.
     """
     if rendering.is_light:
         pictures = merged(frames, lambda each: light.unpacked(each, rendering.size), scene, rendering)
@@ -296,14 +299,15 @@ def picture(
         return made if rendering.bits == 32 else light.as_16_bits(made)
     pictures = merged(frames, read_png, scene, rendering)
     if caption or draws_on(scene, rendering):
-        from povgen.video import overlay, side
+        from povgen.video import overlay, panel, side
 
         shown = views(scene, rendering)
         said = overlay.common_legend([scene], rendering) if said is None else said
-        pictures = [overlay.annotated(*each, rendering, caption, said) for each in zip(pictures, shown, strict=True)]
-    if rendering.side_view:
-        strips = [side.side_view(view, *rendering.size, shows) for view in shown]
-        pictures = [np.concatenate(pair) for pair in zip(pictures, strips, strict=True)]
+        cut = panel.is_cut(shown, rendering) if cut is None else cut
+        draws = [partial(side.side_view, view, shows=shows) if rendering.side_view else None for view in shown]
+        add = partial(panel.beside, cut=cut) if rendering.is_wide else overlay.annotated
+        every = zip(pictures, shown, draws, strict=True)
+        pictures = [add(each, view, rendering, caption, said, draw) for each, view, draw in every]
     return composed(pictures, scene, rendering)
 
 

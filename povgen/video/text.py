@@ -27,9 +27,12 @@ def _runs(text: str) -> list[tuple[str, str]]:
 
 
 @lru_cache(maxsize=4096)
-def text_width(text: str) -> float:
-    """Return the width of a text, in units of its height."""
-    return sum(_font(100, font).getlength(part) for part, font in _runs(text)) / 100
+def text_width(text: str, size: float = 100) -> float:
+    """Return the width of a text of this height, pixels, in units of its height.
+
+    Small letters are wider or narrower, because they are fitted to the grid of pixels.
+    """
+    return sum(_font(size, font).getlength(part) for part, font in _runs(text)) / size
 
 
 def write(

@@ -19,6 +19,7 @@ from povgen.record import check_unasked
 from povgen.rendering import auto, povray
 from povgen.scene.sdl import to_html
 from povgen.scene.spec import MOVIES
+from povgen.scene.survey import Survey
 from povgen.sheets import PARAMETERS, SHEETS, USED_BY
 from povgen.video import build, still
 
@@ -306,7 +307,8 @@ def test_which_options_have_an_effect(sheet):
     """An option has no effect, as the warning says, if it leaves all but the comments of the scene's text as it is."""
 
     def text(**values):
-        return [line.partition("//")[0] for line in to_pov(Chess(sheet=sheet, **values)).splitlines()]
+        source = to_pov(Chess(sheet=sheet, **values), found=Survey(20, 0.5))
+        return [line.partition("//")[0] for line in source.splitlines()]
 
     other = {
         "law": "x, y, z*2", "parameter": {"k": 2}, "focal_length": 5, "object_focal_length": 7, "twist": 9,

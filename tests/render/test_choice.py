@@ -17,7 +17,7 @@ from povgen.measure import speed
 from povgen.measure.probes import APERTURE, VIEW, Positions
 from povgen.measure.targets import located
 from povgen.optics import equations
-from povgen.rendering import gl_runner
+from povgen.rendering import gl_runner, povray
 from povgen.rendering.auto import GL_PRISM_SAMPLINGS, IDEAL_SAMPLINGS, PRISM_SAMPLINGS, RENDERERS, Tolerance, choose
 from povgen.settings import QUALITIES
 
@@ -116,8 +116,11 @@ def test_the_error_of_a_reduced_picture_is_estimated(sampling):
 
 
 @pytest.mark.parametrize("tolerance", [0.25, pytest.param(0.12, marks=pytest.mark.release)])
-def test_the_renderer_is_chosen_too(tolerance):
-    chosen, why = choose([Chess()], SMALL, Tolerance(flip=tolerance), renderers=RENDERERS)
+def test_the_renderer_is_chosen_too(tolerance, monkeypatch):
+    """POV-Ray, which takes longer, renders nothing for this."""
+    with monkeypatch.context() as patch:
+        patch.setattr(povray.Runner, "run", lambda *_: pytest.fail("POV-Ray was started"))
+        chosen, why = choose([Chess()], SMALL, Tolerance(flip=tolerance), renderers=RENDERERS)
 
     def error(antialias):
         picture = render(Chess(), renderer="gl", size=SMALL.size, antialias=antialias)

@@ -18,6 +18,7 @@ from references import converged
 import povgen
 from povgen import Chess, InputError, PovrayError, Spheres, remedies
 from povgen.errors import TransientError
+from povgen.inputs.pictures import mountains
 from povgen.measure import verify_gl
 from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions
@@ -280,7 +281,7 @@ def test_light_nearly_parallel_to_a_sheet_is_blocked(renderer, law, passes):
 
 def test_what_is_no_longer_drawn_is_freed(text, drawer, monkeypatch):
     """Of each readout a framebuffer with three textures, and of each sky but the last one a texture."""
-    used, scene, freed = drawer(64), json.loads(text), []
+    used, scene, freed = drawer(64), json.loads(text) | {"pictures": {}}, []
     collect = used.gl.gc
     monkeypatch.setattr(used.gl, "gc", lambda: freed.append(collect()))
     for k in range(5):
@@ -313,6 +314,7 @@ def test_a_process_forked_after_drawing_is_given_points_too():
 
 def test_tiles_are_the_whole_picture(drawer):
     scene = json.loads(gl_scene.to_text(Chess(), volumes(pieces(Chess()))))
+    scene["pictures"] = {"mountains": mountains().content}
     whole = drawer(256).picture(scene, (150, 130), 5)
     assert np.array_equal(drawer(64).picture(scene, (150, 130), 5), whole)
 

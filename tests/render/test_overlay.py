@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from conftest import some
 
-from povgen import Chess, InputError, Spheres
+from povgen import Chess, InputError, Piece, Room, Spheres
 from povgen.optics import equations
 from povgen.rendering.views import views
 from povgen.scene.model import VIEW
 from povgen.settings import Rendering
-from povgen.video import captions, encode, overlay, still
+from povgen.video import captions, encode, overlay, side, still
 from povgen.video.text import STRIP, TEXT, _font, text_width
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
@@ -332,7 +332,9 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         parts(scene, texts=caption)
     assert found[0] and all(places == found[0] for places in found)
     size = TEXT * 480 * texts[0].size
-    gaps = [b - a - size * text_width(text) for (a, b), text in zip(pairwise(found[0]), texts[0].widest, strict=False)]
+    gaps = [
+        b - a - size * text_width(text, size) for (a, b), text in zip(pairwise(found[0]), texts[0].widest, strict=False)
+    ]
     assert np.allclose([gap for gap in gaps if gap > 0], overlay.GAP * size)  # others are from line to line
 
 
@@ -340,18 +342,23 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     ("scenes", "texts"),
     [
         (
-            [Chess(alpha=alpha, sheet="ideal") for alpha in (0, 65.6, 180)],
+            [Chess(alpha=alpha, sheet="ideal") for alpha in (0, 1, 65.6, 180)],
             [
-                f"rays turned by α = {alpha}°, knight appears turned by {nu}°, magnified {M} times"
-                for alpha, nu, M in ((0, 0, "1.0"), (66, 15, "1.1"), (180, 0, "2.0"))
+                f"rays turned by α = {alpha}°, knight appears {turned}, magnified {M} times"
+                for alpha, turned, M in (
+                    (0, "upright", "1.0"),
+                    (1, "turned by <1°", "1.0"),
+                    (66, "turned by 15°", "1.1"),
+                    (180, "upright", "2.0"),
+                )
             ],
         ),
         (
             [Chess(alpha=180, z1=z1, sheet="ideal") for z1 in (3, 6, 9)],
             [
                 f"z₁ = {z1} tiles behind the window, "
-                f"rays turned by α = 180°, knight appears turned by {turned}, magnified {M} times"
-                for z1, turned, M in ((3, "0°", "3.0"), (6, "?", "?"), (9, "180°", "5.0"))
+                f"rays turned by α = 180°, knight appears {turned}, magnified {M} times"
+                for z1, turned, M in ((3, "upright", "3.0"), (6, "turned by ?", "?"), (9, "turned by 180°", "5.0"))
             ],
         ),
         ([Spheres(alpha=alpha) for alpha in (0, 140)], ["rays turned by α = 0°", "rays turned by α = 140°"]),
@@ -368,7 +375,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             [Chess(window=f"z={x},alpha=120", alpha=120, sheet="ideal", z1=2) for x in (0.5, 2)],
             [
                 "windows 0.5 tiles apart, knight appears turned by -15°, magnified 1.7 times",
-                "windows 2.0 tiles apart, knight appears turned by 0°, magnified 2.5 times",
+                "windows 2.0 tiles apart, knight appears upright, magnified 2.5 times",
             ],
         ),
         ([Chess(sheet="law", law="x - k*X*z, y, z", parameter="k=0.3")], ["k = 0.3"]),
@@ -400,7 +407,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         (
             [Chess(alpha=0), Chess(alpha=0, window="z=1.5,alpha=20.5")],
             [
-                "α₂ = none, window 2 at none, knight appears turned by 0°",
+                "α₂ = none, window 2 at none, knight appears upright",
                 "α₂ = 20.5°, windows 1.5 tiles apart, knight appears turned by 4°",
             ],
         ),
@@ -477,3 +484,35 @@ def test_points_in_the_window_have_their_letters(scene, letters, monkeypatch):
         z = scene.camera.pixels((640, 480))[y, x]
         right = {"L": scene.L, "E": scene.E, "P": scene.apparent_position(scene.L, scene.distances[0])}[name]
         assert abs(z - right) < scene.view / 480 and (picture[y, x] != 120).any()
+
+
+KNIGHT_BESIDE = Chess(sheet="ideal", x=[0, 3.3], z1=[3, 3])
+WIDE = [
+    (Chess(sheet="ideal"), {"caption": "full", "side_view": True, "note": "a note", "overlay": True}),
+    (KNIGHT_BESIDE, {"caption": "short"}),
+    (Room([Piece(z=2, name="mine")]), {"caption": "full", "side_view": True}),
+    (EXTREMES[0], {"caption": "full", "side_view": True, "overlay": True}),
+]
+
+
+@pytest.mark.parametrize(("scene", "options"), WIDE)
+def test_texts_stand_beside_a_wide_picture(scene, options, monkeypatch):
+    """All together has the asked size. Only surroundings are cut off. The smallest letters are 1/40 of the height."""
+    sizes, write = [], overlay.write
+
+    def written(draw, x, middle, text, size, *look, **more):
+        sizes.append(size)
+        assert x >= 0 and x + size * text_width(text, size) <= draw.im.size[0] + 1
+        write(draw, x, middle, text, size, *look, **more)
+
+    monkeypatch.setattr(overlay, "write", written)
+    monkeypatch.setattr(side, "write", written)
+    size = 1280, 720
+    png = encode.png(np.broadcast_to(np.linspace(0, 250, 1280).astype(np.uint8)[:, None], (720, 1280, 3)))
+    made = still.picture([png] * len(views(scene, Rendering())), scene, Rendering(size=size, **options))
+    assert made.shape == (720, 1280, 3) and min(sizes) >= 720 / 40
+    assert still.picture([png], scene, Rendering(size=size, overlay=False)).shape == made.shape
+    cut = scene in (WIDE[0][0], WIDE[3][0])
+    across = made[5 if cut else 360, [0, 767], 0]  # what is cut off was darker and brighter
+    assert across.tolist() == pytest.approx([50, 199] if cut else [0, 250], abs=1)
+    assert (made[0, 768:] == STRIP).all()

@@ -39,8 +39,8 @@ def test_qualities():
     assert [Rendering(quality=q).suited(prisms=False).sampling for q in QUALITIES] == ["1,0.1,2"] * 2 + ["1,0.1,3"] * 2
     # a standard movie, with its many frames, has smaller ones than a picture
     sizes = [of_movie({"quality": q, "bits": 8})["size"] for q in QUALITIES]
-    assert sizes == [(320, 240), (440, 330), (960, 720), (1920, 1080)]
-    assert of_movie({"size": (64, 48)}) == {"size": (64, 48)} and of_movie({}) == {"size": (440, 330)}
+    assert sizes == [(320, 240), (424, 318), (960, 720), (1920, 1080)]
+    assert of_movie({"size": (64, 48)}) == {"size": (64, 48)} and of_movie({}) == {"size": (424, 318)}
     assert Rendering(antialias="2x").suited(prisms=False).sampling == "2x"
     assert Rendering(quality="draft", size="64x48").size == (64, 48)
 

@@ -17,7 +17,9 @@ from povgen.rendering import povray
 from povgen.rendering.frames import read_png
 from povgen.scene import materials, sdl
 from povgen.scene.sdl import TEMPLATES, Mosaic
+from povgen.scene.survey import Survey
 
+FOUND = Survey(20, 0.5)  # no ray is traced for the trace level, which is only a number in the text
 SHEETS = ("detailed", "ideal", "single", "none", "axis", "refraction", "lenslets", "mirror", "lenticular", "profile")
 
 
@@ -45,7 +47,7 @@ def body(text):
 
 
 def code_of(scene, mosaic=None):
-    return re.sub(r"//.*", "", to_pov(scene, mosaic))
+    return re.sub(r"//.*", "", to_pov(scene, mosaic, found=FOUND))
 
 
 @pytest.mark.parametrize(
@@ -96,7 +98,7 @@ def test_frames_differ_only_in_their_parameters(sheet):
 
 def test_parameters_name_their_unit():
     for scene in scenes():
-        for line in to_pov(scene).splitlines():
+        for line in to_pov(scene, found=FOUND).splitlines():
             lengths = "Z1|Z2|Window|Rim|FrameDepth|ViewHeight|EyeX|EyeY|LX|LY|PieceX|FloorY|FootRadius|Pedestal|SeenUp"
             line = re.sub(r"^#ifndef \(\w+\) +", "", line)
             if re.match(rf"#declare ({lengths})\b", line):
@@ -181,7 +183,7 @@ def test_formulas_and_colour_maps_in_glsl():
 def test_windows_of_equal_prisms_with_another_alpha_have_their_shapes():
     """They stand before a window of other prisms, or of lenses."""
     for last in ({"prisms": 50}, {"sheet": "lenticular"}):
-        text = to_pov(Chess(z1=8, z2=10, window=[{"z": 2, "alpha": 120}, {"z": 4, **last}]))
+        text = to_pov(Chess(z1=8, z2=10, window=[{"z": 2, "alpha": 120}, {"z": 4, **last}]), found=FOUND)
         assert text.count("Shape(Window, 100, 1.5, 45, 1, 0.01, 0)") == 2
 
 

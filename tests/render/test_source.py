@@ -10,6 +10,7 @@ import pytest
 from conftest import povgen, refused, some
 
 from povgen import Chess, InputError, Room, Spheres, Window, render, to_pov, to_sheets
+from povgen.inputs.pictures import used
 from povgen.rendering import frames, light
 
 EMPTY = Chess(sheet="none")
@@ -18,6 +19,8 @@ EMPTY = Chess(sheet="none")
 def drawn(source, folder, file="scene.pov", more=()):
     """Run the command in the source's header, with more options, and return its picture."""
     (folder / file).write_text(source)
+    for name, content in used(source).items():
+        (folder / name).write_bytes(content)
     (command,) = re.findall(r"^//   (povray .*)$", source, flags=re.M)
     subprocess.run([*shlex.split(command), "-D", "+Oown.png", *more], cwd=folder, check=True, capture_output=True)
     return frames.read_png(folder / "own.png")

@@ -19,6 +19,7 @@ from povgen.inputs import hdr, pictures
 from povgen.inputs.picture_reader import colours, exr
 from povgen.liveview.values import values as live_values
 from povgen.rendering.light import linear
+from povgen.scene import materials
 from povgen.scene.scenes import input_files
 
 SIZE = (160, 120)
@@ -47,6 +48,18 @@ def test_each_direction_shows_its_place_in_the_picture(renderer, tmp_path):
         found = np.interp(linear(shown)[..., channel], values, np.arange(len(values)) + 0.5)
         error = abs(found - place)[:, :40]  # left of the frame; between 8 bits are 0.25 of the picture's pixels
         assert np.percentile(error, 95) < 0.3
+
+
+@RENDERERS
+def test_mountains_are_those_of_the_panorama(renderer):
+    shown = render(Spheres(sheet="none", z1=5000, line=(9, 9), view=8), renderer=renderer, **OPTIONS)
+    x, y, z = np.moveaxis(directions(Spheres(view=8)), -1, 0)
+    low, high = (float(materials.PANORAMA[end]) for end in ("low", "high"))
+    stored = np.asarray(Image.open(pictures.MOUNTAINS).resize((1024, 83), Image.Resampling.BOX))
+    place = 1024 * (0.5 + np.arctan2(x, z) / (2 * np.pi)), 83 * (high - y) / (high - low)
+    seen = (y > 0.03) & (y < 0.3) & (abs(x / z) > 0.35)  # beside the frame
+    wanted = stored[place[1][seen].astype(int), place[0][seen].astype(int)]
+    assert seen.sum() > 1000 and abs(shown[seen].astype(int) - wanted).mean() < 7 < np.ptp(wanted, axis=0).min() / 8
 
 
 @RENDERERS

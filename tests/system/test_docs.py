@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from textwrap import dedent
 
+import gallery  # docs/gallery.py
 import imageio.v3 as iio
 import nbformat
 import notebook  # docs/notebook.py
@@ -100,6 +101,9 @@ def test_links_lead_somewhere(page):
         path = (page.parent / target).resolve() if target else page
         assert "://" not in link and path.exists() and path.is_relative_to(PROJECT), link
         assert not anchor or anchor in headings(path), link
+    named = re.findall(r"`((?:tests|benchmarks|povgen|docs|templates)/[\w/.-]+\.\w+)`", page.read_text())
+    missing = [file for file in named if not (PROJECT / file).exists()]
+    assert not missing or page.stem in ("adding", "CONTRIBUTING", "CHANGELOG")  # files to be made
 
 
 def test_the_code_names_pages_and_headings_that_exist():
@@ -207,8 +211,9 @@ def test_movies_are_specs():
     eye = other.scenes("draft")
     said = {(scene.alpha, text[:3]) for scene, text in zip(side.scenes("draft"), side.texts("draft"), strict=True)}
     assert (90, "α =") in said and {text for alpha, text in said if alpha < 60} == {"sky"}
-    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[48].eye[0]) == (-1, 1)
-    assert eye[49:] == eye[47:0:-1]
+    end = len(eye) // 2
+    assert {scene.eye[1] for scene in eye} == {0} and (eye[0].eye[0], eye[end].eye[0]) == (-1, 1)
+    assert eye[end + 1 :] == eye[end - 1 : 0 : -1]
 
 
 @pytest.mark.release
@@ -279,6 +284,17 @@ def test_the_room_of_the_page():
     exec(python.partition("assert")[0], names)
     assert names["room"] == Room(**spec.fixed) == Room.from_file(PROJECT / "docs/rooms/room.png")
     assert {scene.with_numbers({"right.pitch": 40}) for scene in spec.scenes("draft")} == {names["room"]}
+
+
+def test_the_gallery_is_made_from_its_files():
+    """So is the README's row of pictures. The scenes of the commands are those that the site shows."""
+    assert gallery.PAGE.read_text("utf-8") == gallery.page(), "run make docs/gallery.md"
+    assert gallery.README.read_text("utf-8") == gallery.readme(), "run make docs/gallery.md"
+    assert {each["file"] for each in gallery.pictures().values()} == {
+        path.name for path in (PROJECT / "docs" / "gallery").iterdir() if path.suffix in (".png", ".webp")
+    }
+    for name, each in gallery.pictures().items():
+        assert name == Path(each["file"]).stem and re.match("`povgen [a-z]+", each["shows"].lstrip()), name
 
 
 def test_the_reference_is_made_from_the_code():

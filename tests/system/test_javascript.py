@@ -34,7 +34,7 @@ from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal, dove
 from povgen.page import items
 from povgen.page.address import ALL_KINDS, KEPT, KINDS
-from povgen.scene import shader, warnings
+from povgen.scene import shader, survey, warnings
 from povgen.scene.laws import to_live
 from povgen.scene.quantities import QUANTITIES
 from povgen.scene.room import Eye, Room
@@ -344,8 +344,9 @@ def rooms(path):
     ]
 
 
-def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path):
+def test_the_shaders_are_given_the_same_as_by_povgen(tmp_path, monkeypatch):
     """The uniforms and constants of povgen/liveview/values.js are those of povgen/scene/shader.py."""
+    monkeypatch.setattr(survey, "survey", lambda _: survey.Survey(20, 0.5))  # no rays: Python alone counts faces
     places = [[0.1, 0.2, 0.3, 0.01]] * 2
     own = {"law": "x - k*X*z, y + sqrt(k)*y, z", "parameter": {"k": 0.3}}
     scenes = [
@@ -454,7 +455,8 @@ def test_a_file_adds_a_question_a_tour_and_a_lesson(tmp_path):
         (ADDED["7-mine.toml"].replace("tolerance = 1", ""), "a number is asked for; allowed: with tolerance and unit"),
         (ADDED["7-mine.toml"].replace("{end.nu}", "{end.mu}"), "[fr]: 'end.mu' is unknown; allowed: "),
         (ADDED["7-mine.toml"].replace("[fr]", "[it]"), "[it]: no language of the page; allowed: ar, de, "),
-        (ADDED["7-mine.toml"] + 'choices = ["a"]', "1 choices; allowed: 3, for more, as much, and less"),
+        (ADDED["7-mine.toml"] + 'choices = ["a", "b"]', "2 choices; allowed: 3, for more, as much, and less"),
+        (ADDED["7-mine.toml"].replace('answer = "change.nu"', "match = true"), "allowed: with alpha and z1"),
         (ADDED["walk.toml"].replace('["', '["Go.", "'), "[en]: steps: 2 texts; allowed: 1, one for each step"),
         (ADDED["gallery.toml"], "asks: 'mine' is unknown; allowed: sky, "),
     ],

@@ -8,11 +8,11 @@ from povgen import Room
 from povgen.optics.rays import Bundle
 from povgen.optics.trace import End
 
-ROOMS = Path(__file__).parents[2] / "docs" / "rooms"
+ROOMS = [Path(__file__).parents[2] / folder for folder in ("docs/rooms", "povgen/page/examples")]
 
 
 def load(name):
-    return Room.load(ROOMS / f"{name}.toml")
+    return Room.load(next(folder / f"{name}.toml" for folder in ROOMS if (folder / f"{name}.toml").exists()))
 
 
 def test_the_same_knight_is_seen_beside_the_sheet_and_turned_through_it():

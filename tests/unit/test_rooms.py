@@ -74,7 +74,7 @@ def test_rays_that_are_followed_in_parts_are_the_same(rng, monkeypatch):
     for _ in range(3):
         windows, rays = random_room(rng, [*IDEAL])
         whole, legs = vars(trace_windows(rays, windows, path=True)), paths(rays, windows, 60)
-        monkeypatch.setattr("povgen.optics.window_trace.PART", 7)
+        monkeypatch.setattr("povgen.optics.window_trace.PART", 40)
         for name, values in vars(trace_windows(rays, windows, path=True)).items():
             np.testing.assert_allclose(values, whole[name], atol=1e-12)
         for leg, part in zip(legs, paths(rays, windows, 60), strict=True):

@@ -32,7 +32,8 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     """Write a scene's POV-Ray source to standard output, or to the file of -o.
 
     The source's header states the command with which POV-Ray makes the same picture as povgen frame does.
-    The pictures of --sky and --floor, and a room's rays, which the source names, are written beside the file of -o.
+    The picture of the mountains, those of --sky and --floor, and a room's rays, which the source names, are written
+    beside the file of -o.
     """
     values, sampling = options.split(values)
     made = options.scene_of(scene, values)

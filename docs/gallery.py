@@ -1,0 +1,68 @@
+"""Write docs/gallery.md, and the README's row of pictures, from docs/gallery/*.toml: `python docs/gallery.py`.
+
+With the name of a picture that one command makes it prints the command's words after `povgen`.
+"""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+from textwrap import wrap
+
+PROJECT = Path(__file__).parents[1]
+PAGE, README = PROJECT / "docs" / "gallery.md", PROJECT / "README.md"
+WIDTH = 125  # characters of a line
+HEAD = """# Gallery
+
+What povgen shows, in pictures. Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all
+pictures but the last ones, `make docs/gallery/pieces.png`, for example, one. `make docs/gallery.md` writes this
+page from a file for each picture, in `docs/gallery/`.
+"""
+# the last sections: the movies, and what `make figures` renders
+TAIL = """
+## Frames of the paper's figures
+
+![Figure 3: a chess piece at six angles α](figures/figure3.png)
+![Figure 4: a chess piece at six distances](figures/figure4.png)
+![Figure 6: spheres at six angles α](figures/figure6.png)
+
+`make figures` renders them. [Their captions](figures/README.md) give the measured rotations and magnifications.
+"""
+ROW = re.compile(r"(?<=\| \| \| \|\n\|---\|---\|---\|\n).*\n.*\n")  # of the README's pictures
+
+
+def pictures() -> dict[str, dict[str, str]]:
+    """Return what the files say, in their order, by the pictures' names."""
+    files = {
+        path.stem: tomllib.loads(path.read_text("utf-8")) for path in (PROJECT / "docs" / "gallery").glob("*.toml")
+    }
+    return dict(sorted(files.items(), key=lambda item: item[1]["order"]))
+
+
+def page() -> str:
+    """Return the text of the page."""
+    text, section = HEAD, ""
+    for each in pictures().values():
+        text += f"\n## {each['section']}\n" * (each["section"] != section)
+        shows = "\n".join(wrap(each["shows"].strip(), WIDTH, break_long_words=False, break_on_hyphens=False))
+        text += f"\n![{each['alt']}](gallery/{each['file']})\n\n{shows}\n"
+        section = each["section"]
+    text += "\n## Movies\n\n| `povgen movie` | shows |\n|---|---|\n"
+    for path in sorted((PROJECT / "movies").glob("*.toml")):
+        text += f"| `{path.stem}` | {tomllib.loads(path.read_text('utf-8'))['title']} |\n"
+    return text + TAIL
+
+
+def readme() -> str:
+    """Return the README's text, with the pictures that have a text for it."""
+    shown = [each for each in pictures().values() if "readme" in each]
+    rows = [f"![{each['alt']}](docs/gallery/{each['file']})" for each in shown], [each["readme"] for each in shown]
+    return ROW.sub("".join(f"| {' | '.join(row)} |\n" for row in rows), README.read_text("utf-8"), count=1)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:]:
+        print(pictures()[sys.argv[1]]["command"])
+    else:
+        PAGE.write_text(page(), "utf-8")
+        README.write_text(readme(), "utf-8")
