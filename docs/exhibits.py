@@ -51,9 +51,7 @@ def exhibits() -> dict[str, Exhibit]:
     """Return the exhibit of each picture by the name of its file without suffix."""
     made = {name: _of(shlex.split(each["command"])) for name, each in pictures().items() if "command" in each}
     twins = "--piece knight --piece knight --x 0 --x 3.3 --z1 3 --z1 3"
-    made["rotation"] = _of(
-        shlex.split(f"movie chess --sweep alpha=0:357 --frames 120 --sheet ideal {twins}")
-    )  # docs/first_picture.py composes it of this movie and the same one through prisms
+    made["rotation"] = _of(shlex.split(f"movie chess --sweep alpha=0:357 --frames 120 --sheet ideal {twins}"))
     for name, panels in PANELS.items():
         made[name] = Exhibit(panels[-1].scene, [], _address_without_view(panels[-1].scene))
     made["page"] = Exhibit(Chess(sheet="ideal"), ["demo"], ADDRESS.removeprefix("#"))

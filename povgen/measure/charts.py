@@ -69,7 +69,7 @@ def _scatter(ax: Axes, rows: Sequence[Row], sheet: str) -> None:
     plain_ticks(ax.yaxis)
     ax.grid(alpha=0.25)
     ax.margins(0.2, 0.12)  # room for names
-    ax.legend(title="large: povgen's qualities", loc="lower left")
+    ax.legend(title="large: povgen's qualities", loc="upper right" if sheet == "ideal" else "lower left")
 
 
 WHAT = {  # for each error, what is wrong

@@ -34,10 +34,10 @@ export const lasting = () => ({
 });
 
 export function toHash() {
-  const asked = QUESTIONS[state.question], moved = Object.entries(session.moved).map(([name, x]) => [name, short(x)]);
+  const asked = QUESTIONS[state.question];
+  if (session.room) return hashOf({ room: session.room, ...Object.fromEntries(Object.entries(session.moved).map(([name, x]) => [name, short(x)])) });
   /** @type {Record<string, string>} */
-  const parts = session.room ? { room: session.room, ...Object.fromEntries(moved) } : asked?.own ? {} : settings();  // a teacher's question has its own, and its link is short
-  if (session.room) return hashOf(parts);
+  const parts = asked?.own ? {} : settings();  // a teacher's question has its own, and its link is short
   if (asked) parts.question = asked.name;
   else if (session.measuring) parts.panel = "measure";
   return hashOf(parts);

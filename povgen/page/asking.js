@@ -2,7 +2,7 @@
 
 import { hasPiece } from "../liveview/presets.js";
 import { coded, fromHash, ownQuestion, settings } from "./address.js";
-import { $, element, pick, refresh, write } from "./data.js";
+import { $, element, on, pick, refresh, write } from "./data.js";
 import { keep, saveTable, work } from "./kept.js";
 import { percent, printed, say, typedNumber, unbroken } from "./language.js";
 import { compared, dashedOutline, matching, misfit, numbersOf } from "./overlay.js";
@@ -143,12 +143,17 @@ export function drawQuestion() {
   $("again").hidden = !shown;
   $("own-remove").hidden = !question.own;
   const open = (id) => !$(id).hidden;
-  if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
+  $("other-questions").hidden = !ownQuestions().length;
+  $("other-questions").textContent = say(`asking.${question.own ? "to_page" : "to_link"}`);
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
   aid("drawing").hidden = Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last);
-  if (aid("drawing").hidden) $("drawing").hidden = true;
-  aid("drawing").setAttribute("aria-expanded", String(open("drawing")));
+  for (const button of document.querySelectorAll("#aids [aria-controls]")) {  // a part without its button could not be closed
+    const part = $(button.getAttribute("aria-controls"));
+    if (button.hidden || (button.dataset.level && state.level === "simple")) part.hidden = true;
+    button.setAttribute("aria-expanded", String(!part.hidden));
+  }
+  if (open("ask-diagram") !== $("ask-diagram").contains($("diagram-box"))) moveDiagram();
   session.dashed = dashedOutline(question, open("drawing"));
   for (const input of $("prediction").querySelectorAll("input")) {
     input.disabled = shown;
@@ -172,7 +177,6 @@ for (const button of document.querySelectorAll("#aids [aria-controls]")) {
   button.addEventListener("click", () => {
     const part = $(button.getAttribute("aria-controls"));
     part.hidden = !part.hidden;
-    button.setAttribute("aria-expanded", String(!part.hidden));
     drawQuestion();
     part.scrollIntoView({ block: "nearest" });
     refresh();
@@ -238,6 +242,8 @@ for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
   });
 }
 
+on("other-questions", "click", () => openQuestion(QUESTIONS.findIndex(({ own }) => Boolean(own) !== Boolean(QUESTIONS[state.question].own))));
+
 // ---- The votes of a class, before and after it has discussed a question: a number for each choice, and bars ----
 
 function drawVotes(question) {
@@ -274,6 +280,8 @@ function drawVotes(question) {
   $("votes").replaceChildren(...rows.map(({ row }) => row), again);
   show();
 }
+// In a field for votes, Enter would reveal the answer.
+$("votes").addEventListener("keydown", (event) => event.key === "Enter" && event.target.type === "number" && event.preventDefault());
 
 // What a class has voted and answered: a row for each choice, or for the number that was typed.
 export function answersTable() {
@@ -306,6 +314,7 @@ function openOwn(questions, opened) {
   if (opened) $("ask").focus();
 }
 
+$("own").addEventListener("input", () => ($("own-message").textContent = ""));
 $("own").addEventListener("submit", (event) => {
   event.preventDefault();
   const lines = (id) => $(id).value.split("\n").map((line) => line.trim()).filter(Boolean);

@@ -8,12 +8,13 @@ import { say } from "./language.js";
 import { drawRows } from "./measure.js";
 import { drawOther, savedAs, view } from "./picture.js";
 import { qr } from "./qr.js";
-import { isAsked } from "./questions.js";
+import { isAsked, QUESTIONS } from "./questions.js";
 import { svg } from "./shapes.js";
 import { state } from "./state.js";
 
 export const page = () => location.href.replace(/#.*/, "");  // the page's address
-const link = () => page() + toHash();
+// Where a teacher's own question is open, the link opens the first one.
+const link = () => page() + toHash().replace(/(#|&)question=own-[^&]*/, `$1question=${QUESTIONS.find(({ own }) => own)?.name}`);
 
 // Put a text on the clipboard. Where the browser does not allow it, the text is shown, and chosen.
 async function copy(text) {
@@ -61,7 +62,8 @@ for (const id of ["share", "room"]) {
     button.setAttribute("aria-expanded", String(shown));
     $("copied").textContent = "";
     if (shown) offerCode();
-    else if (id === "share" && !$("room").hidden) $("room-open").click();  // it belongs to these tools
+    if (shown && id === "room") scrollTo(0, document.querySelector("main").offsetTop);  // on a phone, the picture stays in sight
+    if (!shown && id === "share" && !$("room").hidden) $("room-open").click();  // it belongs to these tools
   };
   button.addEventListener("click", () => open($(id).hidden));
   $(id).addEventListener("keydown", ({ key }) => {
@@ -142,6 +144,6 @@ addEventListener("afterprint", () => printed.removeAttribute("src"));
 export function printPicture(prepare = () => {}) {
   dispatchEvent(new Event("beforeprint"));
   prepare();
-  Promise.allSettled([printed, $("task-picture")].map((image) => image.decode())).then(() => print());
+  Promise.allSettled([printed, ...document.querySelectorAll("#tasks img")].map((image) => image.decode())).then(() => print());
 }
 $("print").addEventListener("click", () => printPicture());

@@ -32,6 +32,17 @@ export function keep() {
   }
 }
 
+// A value that this tab keeps while the page is loaded again. Without a new one, return it; "" if there is none.
+/** @type {(name: string, value?: string) => string} */
+export function inTab(name, value) {
+  try {
+    if (value !== undefined) sessionStorage.setItem(`${key()} ${name}`, value);
+    return sessionStorage.getItem(`${key()} ${name}`) ?? "";
+  } catch {  // the browser refuses
+    return "";
+  }
+}
+
 // A table as CSV. Where the decimal sign is a comma, spreadsheets part columns by semicolons.
 export function csvOf(rows) {
   const mark = separator().trim();

@@ -1,6 +1,7 @@
 // How the page looks: dark or light, for a projector, or as a frame in another page.
 
 import { $, refresh } from "./data.js";
+import { inTab } from "./kept.js";
 
 const root = document.documentElement, dark = matchMedia("(prefers-color-scheme: dark)");
 
@@ -17,7 +18,8 @@ $("dark").addEventListener("click", () => look(root.dataset.look !== "dark"));
 export function present(on) {
   const focused = document.activeElement === $("leave");
   document.body.classList.toggle("present", on);
-  $("leave").hidden = !on;
+  $("leave").hidden = $("lesson").hidden = !on;
+  inTab("present", on ? "on" : "");
   if (focused && !on) $("share-open").focus();  // the button is gone
   $("pointer").style.transform = "";  // out of sight until it moves
   refresh();
@@ -28,6 +30,7 @@ $("present").addEventListener("click", () => {
   $("leave").focus();
 });
 $("leave").addEventListener("click", () => present(false));
+if (inTab("present")) present(true);  // it was loaded again
 document.addEventListener("keydown", ({ key }) => {
   if (key === "Escape" && document.body.classList.contains("present") && !document.querySelector(":popover-open")) present(false);
 });

@@ -16,7 +16,7 @@ import { moment } from "./moment.js";
 import { drawOverlay, stage } from "./overlay.js";
 import { drawCompare, drawView, view, writeFailure } from "./picture.js";
 import { player, povray } from "./player.js";
-import "./room.js";
+import { drawBehind } from "./room.js";
 import { drawRoom } from "./rooms.js";
 import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
@@ -39,6 +39,7 @@ function rewrite() {
 
 function drawPage() {
   if (written !== spoken.language) rewrite();
+  drawBehind();  // before moment(): it says whether there is a floor
   const now = moment();
   drawView(now);
   drawTabs();
@@ -134,6 +135,6 @@ view.ready.then(() => {
   refresh();
   if (!view.gl) tour.leave();
 });
-if (document.body.classList.contains("begins")) tour.start();
+if (document.body.classList.contains("begins") && !document.body.classList.contains("present")) tour.start();
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => view.gl && ($("message").textContent = benchText(view)));

@@ -20,7 +20,7 @@ const FARTHEST = [2.4, 1.8];  // from the picture's middle
 /** @type {Record<string, any>} */
 const points = { A: [0, -0.75], B: [0, 0.35], C: [0.6, 0.2] };
 // without alpha or N where the sheets have none
-/** @type {{sheets: string[], N: number | null, alpha: number | null, z1: number, z2: number, nu: string, M: string}[]} */
+/** @type {{sheets: string[], N: number | null, alpha: number | null, z1: number, z2: number, d?: number, nu: string, M: string}[]} */
 export const rows = work.rows;
 
 // What the tool measures: the angle from the arm AB to the arm AC, counter-clockwise, and the lengths of both.
@@ -35,6 +35,12 @@ function height() {
   return ys.length ? Math.max(...ys) - Math.min(...ys) : 0;
 }
 
+// The simple level has one size: that compared with the size without sheets. M is compared with the size in the window.
+const isSimple = () => state.level === "simple";
+const sizeName = () => (isSimple() ? say("page.size") : "M");
+const unit = (values) => (isSimple() ? bare(values) : 1);
+
+let level = "";  // of the rows that are shown
 let shown = false;
 let moved = false;  // whether a point was moved since the last row
 let told = "";      // the settings whose answer is shown
@@ -73,9 +79,10 @@ export function drawMeasure(now) {
     $(`point-${name}`).style.transform = `translate(${x}px, ${y}px)`;
     $(`point-${name}`).setAttribute("aria-label", say("measure.point", { name, place: placeSaid(place) }));
   }
-  const tall = height();
+  const tall = height(), size = AC / tall;
   write("readings", say("measure.readings", { angle: angle(found), AB: tilesText(AB), AC: tilesText(AC) })
-    + (tall ? ` ${say("measure.height", { tiles: tilesText(tall), M: fixed(AC / tall, 2), times: fixed(AC / tall / bare(now), 2) })}` : ""));
+    + (tall ? ` ${say(`measure.height${isSimple() ? "" : "_and_M"}`, { tiles: tilesText(tall), M: fixed(size, 2), times: fixed(size / bare(now), 2) })}` : ""));
+  if (level !== state.level) drawRows();
   drawPlots(now);
 }
 
@@ -115,12 +122,12 @@ const QUANTITIES = ["sheets", "N", "alpha", "z1", "z2", "nu", "M"];
 
 $("write-down").addEventListener("click", () => {
   const { angle: found, AC } = measured(), tall = height();
-  const { z1, z2, glass } = moment(), sheets = kinds();
-  const row = { sheets, N: glass ? state.prisms : null, alpha: sheets.some(usesAlpha) ? state.alpha : null, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? fixed(AC / tall, 2) : "" };
+  const { z1, z2, d, glass } = moment(), sheets = kinds();
+  const row = { d, sheets, N: glass ? state.prisms : null, alpha: sheets.some(usesAlpha) ? state.alpha : null, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? fixed(AC / tall, 2) : "" };
   rows.push(row);
   keep();
   moved = false;
-  $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, M: row.M });
+  $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, name: sizeName(), M: tall ? fixed(AC / tall / unit(row), 2) : "" });
   drawRows();
   $("point-C").focus({ preventScroll: true });  // the button waits until a point is moved
 });
@@ -135,11 +142,14 @@ on("put-on", "click", () => {
 });
 
 export function drawRows() {
+  level = state.level;
   $("rows").replaceChildren(...rows.map((row, n) => {
-    const field = (name, symbol) => {
-      const value = localised(row[name].replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
+    const field = (name, symbol, scale = 1) => {
+      const x = readNumber(row[name]), own = scale !== 1 && row[name].trim() && Number.isFinite(x);
+      const value = localised((own ? (x / scale).toFixed(2) : row[name]).replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
       return element("input", { className: "field", value, autocomplete: "off", ariaLabel, oninput: ({ target }) => {
-        row[name] = target.value;
+        const typed = readNumber(target.value);
+        row[name] = scale !== 1 && target.value.trim() && Number.isFinite(typed) ? String(Number((typed * scale).toFixed(4))) : target.value;
         keep();
         refresh();
       } });
@@ -152,7 +162,7 @@ export function drawRows() {
     } }, "×");
     const sheets = row.sheets.map((name) => say(`kinds.${name}.choice`)).join(" + ");
     const numbers = ["N", "alpha", "z1", "z2"].map((name) => (row[name] === null ? "–" : printed(String(Number(row[name].toPrecision(4))))));
-    return element("tr", {}, ...[sheets, ...numbers, field("nu", "ν"), field("M", "M"), remove].map((content) => element("td", {}, content)));
+    return element("tr", {}, ...[sheets, ...numbers, field("nu", "ν"), field("M", sizeName(), unit(row)), remove].map((content) => element("td", {}, content)));
   }));
   $("save-csv").disabled = !rows.length;
   refresh();
@@ -190,7 +200,7 @@ function drawPlot(plot, name, x, now) {
   const present = { alpha: state.alpha, z1: now.z1, z2: now.z2 };
   const seen = (value) => {
     const values = { ...present, [x]: value }, { nu, M } = appearance({ ...now, ...values, alpha: radians(values.alpha) });
-    return name === "nu" ? nu / radians(1) : M;
+    return name === "nu" ? nu / radians(1) : M / unit({ ...now, ...values });
   };
   const points = now.two && rows.length ? Array.from({ length: 181 }, (_, k) => (log ? least * (most / least) ** (k / 180) : least + ((most - least) * k) / 180)) : [];
   const angles = [...points.map((value) => seen(value)), ...there.map(({ nu }) => readNumber(nu) || 0)].map(Math.abs);
@@ -202,14 +212,14 @@ function drawPlot(plot, name, x, now) {
     (shown >= scale[0] && shown <= scale[1] && !(n && Math.abs(shown - all[n - 1][1]) > 180) ? to(value, shown) : null));
   const same = (row) => String(row.sheets) === String(kinds()) && Object.keys(present).every((other) => other === x || Math.abs(row[other] - present[other]) < 1e-3 * Math.max(1, Math.abs(present[other])));
   const marks = there.filter((row) => Number.isFinite(readNumber(row[name])) && row[name].trim())
-    .map((row) => dot(`mark${same(row) ? "" : " other"}`, to(row[x], clamped(readNumber(row[name]), /** @type {any} */ (scale))), 4));
+    .map((row) => dot(`mark${same(row) ? "" : " other"}`, to(row[x], clamped(readNumber(row[name]) / (name === "nu" ? 1 : unit(row)), /** @type {any} */ (scale))), 4));
   plot.setAttribute("viewBox", `0 0 ${width} ${all}`);
   plot.replaceChildren(
     line("axis", [left, bottom], [right, bottom]), line("axis", [left, bottom], [left, top]),
     ...(name === "nu" ? [line("axis", to(least, 0), to(most, 0))] : [line("axis", to(least, 1), to(most, 1))]),
     words("scale", [left, all - 10], brief(least)), words("scale", [right - 8, all - 10], brief(most)), words("scale", [(left + right) / 2, all - 9], `${SYMBOL[x]} / ${x === "alpha" ? "°" : say("units.tiles")}`),
     ...(name === "nu" ? [-end, 0, end] : [0, 1, 2, 3]).map((value) => words("scale", [15, to(least, value)[1]], fixed(value, 0))),
-    words("scale", [left + 16, 8], name === "nu" ? "ν / °" : "M"), curve("curve", inside), ...marks,
+    words("scale", [left + 16, 8], name === "nu" ? "ν / °" : sizeName()), curve("curve", inside), ...marks,
   );
-  plot.setAttribute("aria-label", say(rows.length ? "measure.plot" : "measure.plot_empty", { name: name === "nu" ? "ν" : "M", x: SYMBOL[x], number: marks.length, value: now.two ? (name === "nu" ? angle(now.nu) : fixed(now.M, 2)) : "–" }));
+  plot.setAttribute("aria-label", say(rows.length ? "measure.plot" : "measure.plot_empty", { name: name === "nu" ? "ν" : sizeName(), x: SYMBOL[x], number: marks.length, value: now.two ? (name === "nu" ? angle(now.nu) : fixed(now.M / unit(now), 2)) : "–" }));
 }

@@ -15,10 +15,11 @@ import { FLOOR, inSeries, isGeneral, session, state } from "./state.js";
 // deep, so that it sees through.
 const leastZ2 = (back) => back * (1 + 3 * clamped((back - 1) / 3, [0, 1])) + 0.011;
 
-// The scene with the sheets that are to the right of the curtain. There is no second window.
-const compared = (scene) => ({ ...scene, sheet: state.compare, window: [] });
-// There the objects are where they are to the left.
-export const otherScene = ({ scene, objects, d }) => ({ ...compared(scene), z1: d ? objects.map((z1) => z1 + d) : scene.z1 });
+// The scene with other sheets: those to the right of the curtain, if no others are given. There is no second window.
+const compared = (scene, sheet = state.compare) => ({ ...scene, sheet, window: [] });
+// There the objects are where they are.
+/** @type {(now: any, sheet?: string) => any} */
+export const otherScene = ({ scene, objects, d }, sheet) => ({ ...compared(scene, sheet), z1: d ? objects.map((z1) => z1 + d) : scene.z1 });
 
 // The depth of the window's frame, on the side of the curtain where it is deeper.
 export const frameDepth = (scene) => Math.max(depth(scene), depth(compared(scene)));

@@ -93,7 +93,7 @@ document.addEventListener("fullscreenchange", () => $("full-screen").setAttribut
 on("reset", "click", () => {
   openQuestion(-1);  // Undo brings back what has been explored
   player.pause();
-  [session.explored, session.own] = [null, {}];
+  [session.explored, session.own, session.lastQuestion] = [null, {}, 0];  // the page's questions, also where the address has a teacher's own
   replace(OPENING);
   player.reset();
 });

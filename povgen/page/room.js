@@ -5,6 +5,7 @@ import { $, element, on } from "./data.js";
 import { say } from "./language.js";
 import { setOtherSky, view } from "./picture.js";
 import { session } from "./state.js";
+import { tour } from "./tour.js";
 
 // The width in pixels of the picture of all directions, which is half as high: of a photo, while it is being moved, and the least.
 const WIDTH = { PHOTO: 4096, MOVED: 1024, LEAST: 512 };
@@ -13,6 +14,8 @@ const AROUND = 64;    // pixels of what is around a photo
 const PLACE = ["x", "y", "size", "turn"];  // of a photo: degrees; the size is that of its shorter side
 let photo = null;
 let stream = null;
+let room = null;   // the picture in the place of the mountains
+let drawn = null;  // and the one that the views have
 
 // What is around a photo: mirrored copies of it, so that no border is seen, of few pixels, so that they are blurred.
 function surroundings(source) {
@@ -42,6 +45,16 @@ function around(source, [width, height], most) {
 }
 
 function show(picture) {
+  room = picture;
+  drawBehind();
+}
+
+// The guided start speaks of the mountains and the floor: it shows them.
+export function drawBehind() {
+  const touring = tour.step >= 0, picture = touring ? null : room;
+  session.floor = touring || $("room-floor").checked;
+  if (picture === drawn) return;
+  drawn = picture;
   view.setSky(picture);
   setOtherSky(picture);
 }
@@ -92,7 +105,11 @@ $("all-around").addEventListener("change", () => {
 });
 $("room-place").addEventListener("input", () => showPhoto(WIDTH.MOVED));
 $("room-place").addEventListener("change", () => showPhoto());
-on("room-floor", "change", () => (session.floor = $("room-floor").checked));
+on("room-floor", "change", drawBehind);
+$("room-close").addEventListener("click", () => {
+  $("room-open").click();
+  $("room-open").focus();
+});
 
 let asking = false;  // for the camera: a second press would start a camera that nothing stops
 $("camera").addEventListener("click", async () => {
@@ -141,7 +158,7 @@ on("no-room", "click", () => {
   photo = null;
   $("photo").value = "";
   for (const name of PLACE) $(`room-${name}`).value = $(`room-${name}`).defaultValue;
-  session.floor = $("room-floor").checked = true;
+  $("room-floor").checked = true;
   $("all-around").checked = false;
   drawTools();
   show(null);

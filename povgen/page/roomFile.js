@@ -1,5 +1,5 @@
-// A room's file (docs/rooms.md), as povgen reads it: what it states, and the scene that the live view draws. povgen/page/rooms.py says
-// what the page knows of rooms.
+// A room's file (docs/rooms.md), as povgen reads it: what it states, and the scene that the live view draws. What the page knows of
+// rooms is from povgen/page/rooms.py.
 
 import { shape, radians, thickness } from "../liveview/geometry.js";
 import { hasPrisms } from "../liveview/sheets.js";
@@ -15,7 +15,9 @@ export class Fault extends Error {}
 function fault(sentence, values) {
   throw new Fault(say(`rooms.${sentence}`, values));
 }
-const notAllowed = (name, value, allowed) => fault("not_allowed", { name, value: String(JSON.stringify(value)).slice(0, 60), allowed });
+function notAllowed(name, value, allowed) {
+  fault("not_allowed", { name, value: String(JSON.stringify(value)).slice(0, 60), allowed });
+}
 
 // ---- What the file states ----
 
@@ -38,9 +40,9 @@ function rgb(text) {
 /** @type {(x: any, field: any) => boolean} */
 const isNumber = (x, [, least, most, whole, size]) =>
   typeof x === "number" && x >= least && x <= most && Math.abs(x) >= size && (!whole || Number.isInteger(x));
-function isDirection(list, field) {
-  const numbers = [field[0], field[1], field[2], false, 0];
-  return Array.isArray(list) && list.length === field[0].length && list.every((x) => isNumber(x, numbers)) && Math.max(...list.map(Math.abs)) >= field[4];
+function isDirection(list, [usual, least, most, , size]) {
+  if (!Array.isArray(list) || list.length !== usual.length) return false;
+  return list.every((x) => isNumber(x, [0, least, most, false, 0])) && Math.max(...list.map(Math.abs)) >= size;
 }
 
 // A value that is allowed: `field` says what is (povgen/page/rooms.py).
@@ -58,8 +60,10 @@ function allowed(name, value, field, said) {
 function checked(given, fields, of = "") {
   if (typeof given !== "object" || Array.isArray(given)) notAllowed(of, given, `[${of}]`);
   const known = Object.keys(fields), said = (name) => [of, name].filter(Boolean).join(".");
-  for (const name of Object.keys(given)) if (!known.includes(name)) fault("unknown", { name: said(name), allowed: known.join(", ") });
-  return Object.fromEntries(known.map((name) => [name, Object.hasOwn(given, name) ? allowed(name, given[name], fields[name], said(name)) : fields[name][0]]));
+  const strange = Object.keys(given).find((name) => !known.includes(name));
+  if (strange) fault("unknown", { name: said(strange), allowed: known.join(", ") });
+  const value = (name) => (Object.hasOwn(given, name) ? allowed(name, given[name], fields[name], said(name)) : fields[name][0]);
+  return Object.fromEntries(known.map((name) => [name, value(name)]));
 }
 
 function tablesOf(given, name) {
@@ -99,11 +103,14 @@ export function roomOf(text) {
   const twice = names.find((name, k) => names.indexOf(name) < k);
   if (twice) fault("twice", { name: twice });
   /** @type {any} */
-  const room = { ...checked(others, tables.room), title: given.title, eye: { ...checked(eye, tables.eye, "eye"), name: "eye" }, windows, objects: things };
-  if (room.pupil && room.focus === "best") notAllowed("focus", "best", say("controls.range", { least: tables.room.focus[1], most: tables.room.focus[2] }));
+  const room = { ...checked(others, tables.room), title: given.title, windows, objects: things };
+  room.eye = { ...checked(eye, tables.eye, "eye"), name: "eye" };
+  const [, least, most] = tables.room.focus;
+  if (room.pupil && room.focus === "best") notAllowed("focus", "best", say("controls.range", { least, most }));
   for (const each of windows.filter(hasPrisms)) {
     const { length, edges } = shape({ ...each, values: valuesOf(each) });
-    if (![length, ...edges.flat()].every(Number.isFinite)) notAllowed(`${each.name}.sheet`, each.sheet, "index, base_angle, f_number …");
+    const exists = [length, ...edges.flat()].every(Number.isFinite);
+    if (!exists) notAllowed(`${each.name}.sheet`, each.sheet, "index, base_angle, f_number …");
   }
   return room;
 }
@@ -147,7 +154,8 @@ const valuesOf = (each) => ({ ...each, aperture: Math.max(...sides(each)) });
 function windowOf(each) {
   const { sheet, name, frame, outline } = each, values = valuesOf(each);
   const depth = Math.max(frame ? values.aperture / 10 : 0, 1.02 * thickness({ sheet, values }));
-  return { sheet, name, ...pose(each), turned: true, half: sides(each).map((side) => side / 2), round: outline === "round", depth, framed: frame, values };
+  const half = sides(each).map((side) => side / 2), round = outline === "round";
+  return { sheet, name, ...pose(each), turned: true, half, round, depth, framed: frame, values };
 }
 const NO_WINDOW = {
   sheet: "none", name: "", ...pose({ x: 0, y: 0, z: 0, yaw: 0, pitch: 0, roll: 0 }),
@@ -167,7 +175,8 @@ export function drawing({ objects, ...room }) {
   const volumes = { grid: data.volumes.grid, pieces: pick(data.volumes.pieces, ...names) };
   const scene = ({ eye, windows }) => ({
     name: "room", eye, objects: shown, pictures, floor_y: floor ? floor.y : null, rim: data.scenes.chess.rim,
-    windows: windows.length ? windows.map(windowOf) : [NO_WINDOW], faces: data.faces * Math.max(1, windows.filter(hasPrisms).length),
+    windows: windows.length ? windows.map(windowOf) : [NO_WINDOW],
+    faces: data.faces * Math.max(1, windows.filter(hasPrisms).length),
     background: room.background, pupil: room.pupil, inverse_focus: room.pupil ? 1 / room.focus : 0,
   });
   return { volumes, scene };
@@ -201,7 +210,8 @@ function written({ text, color, background }) {
 function ruled({ length }) {
   const width = length + RULER / 2, tile = Math.min(TILE, LONGEST / width);
   const [canvas, brush] = sheet(width * tile, RULER * tile, "#f4e6b4");
-  Object.assign(brush, { font: FONTS.ruler.replace("27", String(Math.max(6, Math.round(0.17 * tile)))), fillStyle: "#20242a", textAlign: "center" });
+  const font = FONTS.ruler.replace("27", String(Math.max(6, Math.round(0.17 * tile))));
+  Object.assign(brush, { font, fillStyle: "#20242a", textAlign: "center" });
   for (let tenth = 0; tenth <= 10 * length; tenth++) {
     const x = (RULER / 4 + tenth / 10) * tile, whole = tenth % 10 === 0;
     const thick = Math.max(1, Math.round((whole ? 0.02 : 0.01) * tile)), mark = whole ? 0.16 : tenth % 5 === 0 ? 0.11 : 0.07;
@@ -214,7 +224,8 @@ function ruled({ length }) {
 // The different pictures of all boards.
 function boardsOf(objects) {
   const several = new Map(objects.filter(({ kind }) => drawnAs(kind) === "board").map((each) => [key(each), each]));
-  return { keys: [...several.keys()], canvases: [...several.values()].map((each) => (each.kind === "text" ? written(each) : ruled(each))) };
+  const canvases = [...several.values()].map((each) => (each.kind === "text" ? written(each) : ruled(each)));
+  return { keys: [...several.keys()], canvases };
 }
 
 // One picture with all of them, one above the other, and their places in it.

@@ -1,5 +1,5 @@
-// Rooms: windows and objects that stand anywhere, from examples, a link or a file that povgen reads too (docs/rooms.md). A dialog shows
-// them. The page behind it stays as it is.
+// Rooms: windows and objects that stand anywhere, from examples, a link or a file that povgen reads too (docs/rooms.md). A dialog
+// shows them. The page behind it stays as it is.
 
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { steppedEye } from "../liveview/presets.js";
@@ -119,7 +119,7 @@ $("rooms-file").addEventListener("change", () => {
   $("rooms-file").value = "";
 });
 const save = (href, download) => element("a", { href, download }).click();
-$("rooms-save").addEventListener("click", () => save(`data:text/plain;charset=utf-8,${encodeURIComponent(textOf(open))}`, "room.toml"));
+$("rooms-save").addEventListener("click", () => save(`data:text/plain,${encodeURIComponent(textOf(open))}`, "room.toml"));
 $("rooms-picture").addEventListener("click", () => {
   if (!view?.gl) return;
   const { width, height } = view.canvas, wide = Math.max(1920, width);
@@ -146,7 +146,10 @@ onDrag($("rooms-area"), () => {
   return (way) => moveEye(from, way.map((x) => x * tiles));
 });
 
-const chosen = ({ windows }) => ($("rooms-window").value === "all" ? windows : windows.filter((_, k) => k === Number($("rooms-window").value)));
+function chosen({ windows }) {
+  const { value } = $("rooms-window");
+  return value === "all" ? windows : windows.filter((_, k) => k === Number(value));
+}
 for (const name of SLIDERS) {
   on(`rooms-${name}`, "input", () => {
     for (const each of chosen(room)) session.moved[`${each.name}.${name}`] = Number($(`rooms-${name}`).value);
@@ -174,11 +177,12 @@ const called = (each) => (NAMES[each.kind] ?? (({ kind }) => say(`rooms.things.$
 function described({ eye, windows, objects }) {
   const said = windows.map((each) => {
     const { name, sheet } = each, alpha = usesAlpha(sheet) ? [`α = ${degrees(each.alpha)}`] : [];
-    const angles = [...alpha, say("rooms.turned", { angle: degrees(each.yaw) }), say("rooms.tilted", { angle: degrees(each.pitch) })];
-    return say("rooms.window_is", { name, sheet: ofKind(sheet, "choice"), place: place(each), angles: listed(angles) });
+    const turns = [say("rooms.turned", { angle: degrees(each.yaw) }), say("rooms.tilted", { angle: degrees(each.pitch) })];
+    return say("rooms.window_is", { name, sheet: ofKind(sheet, "choice"), place: place(each), angles: listed([...alpha, ...turns]) });
   });
   const things = objects.map((each) => (each.kind === "floor" ? called(each) : `${called(each)} ${place(each)}`));
-  return [say("rooms.eye_is", { place: place(eye) }), ...said, ...(things.length ? [say("rooms.objects_are", { list: listed(things) })] : [])].join(" ");
+  if (things.length) said.push(say("rooms.objects_are", { list: listed(things) }));
+  return [say("rooms.eye_is", { place: place(eye) }), ...said].join(" ");
 }
 
 export function drawRoom() {
@@ -193,7 +197,8 @@ export function drawRoom() {
   if (view) view.set(scene(shown));
   const own = !(open in data.rooms.examples);
   $("rooms-choice").value = own ? "own" : open;
-  Object.assign($("rooms-choice").lastElementChild, { hidden: !own, textContent: typeof room.title === "string" ? room.title : say("rooms.own") });
+  const textContent = typeof room.title === "string" ? room.title : say("rooms.own");
+  Object.assign($("rooms-choice").lastElementChild, { hidden: !own, textContent });
   const [first] = $("rooms-window").options;
   if (first?.value === "all") first.textContent = say("rooms.all");
   const several = chosen(shown);

@@ -4,9 +4,9 @@ import { still } from "../liveview/readout.js";
 import { lasting } from "./address.js";
 import { $, data, element, refresh } from "./data.js";
 import { drawCode, page, printPicture } from "./handouts.js";
-import { keep, work } from "./kept.js";
+import { inTab, keep, work } from "./kept.js";
 import { entry, marked, quantity, say, SYMBOL, unbroken } from "./language.js";
-import { moment } from "./moment.js";
+import { moment, otherScene } from "./moment.js";
 import { drawOther, view } from "./picture.js";
 import { ask, choices, QUESTIONS } from "./questions.js";
 import { OPENING } from "./state.js";
@@ -14,30 +14,47 @@ import { settingSaid } from "./text.js";
 
 const asked = (name) => QUESTIONS.find((question) => question.name === name);
 
+// What a step of a lesson shows and asks: settings of the page.
+const settingsOf = ({ shows, asks }) => [...shows.map((text) => Object.fromEntries(new URLSearchParams(text))), ...asks.map((question) => ({ question }))];
+const SETTINGS = data.lessons.flatMap(({ steps }) => steps.flatMap(settingsOf));
+const hashOf = (setting) => `#${new URLSearchParams({ ...setting, ...lasting() })}`;
+/** @type {any[]} */
+const steppers = [...$("lesson").querySelectorAll("button")];
+let at = Number(inTab("lesson") || -1);  // the one that was opened last
+
+// A setting is opened by its link, or by the buttons of Present. Its question is asked anew.
+function opens(setting) {
+  at = SETTINGS.findIndex((each) => hashOf(each) === hashOf(setting));
+  inTab("lesson", String(at));
+  if (work.answers[setting.question]) work.answers[setting.question].shown = false;
+  keep();
+  drawPlace();
+}
+
+function drawPlace() {
+  $("lesson-place").textContent = at < 0 ? "" : `${at + 1}/${SETTINGS.length}`;
+  for (const button of steppers) button.disabled = !SETTINGS[at + Number(button.value)];
+}
+
 // A link to a setting of the page, named by the setting, or to a question.
 function settingLink(setting) {
   const { sheet = OPENING.sheet, light, question } = setting;
   const numbers = Object.keys(setting).filter((name) => name in SYMBOL).map((name) => `${SYMBOL[name]} = ${quantity(name, Number(setting[name]))}`);
   const parts = question ? [ask(asked(question))] : [say(`kinds.${sheet}.choice`), ...numbers, ...(light ? [say(`light.show.${light}`)] : [])];
-  const href = `${page()}#${new URLSearchParams({ ...setting, ...lasting() })}`;
-  return element("a", { href, textContent: parts.join(", "), onclick: () => {
-    if (work.answers[question]) work.answers[question].shown = false;  // it is asked anew
-    keep();
-  } });
+  return element("a", { href: page() + hashOf(setting), textContent: parts.join(", "), onclick: () => opens(setting) });
 }
 
 // A lesson: the minutes of its steps, what the page shows in each, and the questions that it asks. Or a gallery, without minutes.
 function lessonTable({ name, steps }) {
   const { title, steps: titles, believed = [] } = entry(`lessons.${name}`);
   let minute = 0;
-  const rows = steps.map(({ minutes, shows, asks }, k) => {
-    const from = minute;
+  const rows = steps.map((step, k) => {
+    const from = minute, { minutes } = step;
     minute += minutes ?? 0;
-    const settings = [...shows.map((text) => Object.fromEntries(new URLSearchParams(text))), ...asks.map((question) => ({ question }))];
     return element("tr", {},
       element("td", { textContent: minutes ? `${from}–${minute}` : "" }),
       element("td", {}, element("b", { textContent: titles[k] }), ...(believed[k] ? [element("p", { textContent: say("teaching.believed", { what: believed[k] }) })] : []),
-        element("ul", {}, ...settings.map((setting) => element("li", {}, settingLink(setting))))));
+        element("ul", {}, ...settingsOf(step).map((setting) => element("li", {}, settingLink(setting))))));
   });
   const heads = ["minutes", "step"].map((head) => element("th", { scope: "col", textContent: say(`teaching.${head}`) }));
   return [element("h2", { textContent: title }), element("p", { textContent: say("teaching.lesson_help") }),
@@ -54,12 +71,13 @@ function drawLessons() {
   } })));
 }
 
-// The picture for measuring: without glasses, and as large as it is printed, also where the page shows the light in its place.
-function taskPicture() {
+// The picture for measuring, or that without sheets: without glasses, and as large as it is printed, also where the page shows the
+// light in its place.
+function taskPicture(isFree) {
   if (!view.gl || view.gl.isContextLost()) return "";
-  view.set({ eyes: 0 });
+  view.set({ ...(isFree ? otherScene(moment(), "none") : {}), eyes: 0 });
   const canvas = still(view, 960, Math.round((960 * view.canvas.height) / view.canvas.width));
-  drawOther(canvas.getContext("2d"), canvas);
+  if (!isFree) drawOther(canvas.getContext("2d"), canvas);
   refresh();
   return canvas.toDataURL();
 }
@@ -74,8 +92,9 @@ function drawTasks({ steps }) {
   $("task-list").replaceChildren(...tasks);
   $("task-name").replaceChildren(blank(say("teaching.name")), blank(say("teaching.date")));
   $("task-setting").textContent = settingSaid(moment());
-  $("task-measured").replaceChildren(...["<i>ν</i> =", "<i>M</i> ="].map(blank));
-  $("task-picture").src = taskPicture();
+  $("task-measured").replaceChildren(...["<i>ν</i> =", `${say("page.size")} =`].map(blank));
+  $("task-picture").src = taskPicture(false);
+  $("task-free").src = taskPicture(true);
   $("task-code").hidden = !drawCode($("task-code").firstElementChild);
   $("task-address").textContent = location.host ? page() : "";
 }
@@ -86,3 +105,9 @@ $("teach-open").addEventListener("click", () => {
 });
 $("teach").addEventListener("click", ({ target }) => (target === $("teach") || target.closest("a")) && $("teach").close());
 addEventListener("afterprint", () => document.body.classList.remove("tasks"));
+for (const button of steppers) button.addEventListener("click", () => {
+  const setting = SETTINGS[at + Number(button.value)];
+  opens(setting);
+  location.hash = hashOf(setting);
+});
+drawPlace();

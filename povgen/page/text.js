@@ -26,7 +26,7 @@ export function explanation(now) {
 // What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken alone.
 export function heard(now) {
   const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
-  return limits.length ? limits : [explanation(now), pointsSaid(now), ...light];
+  return limits.length ? limits : [...mountains(now), explanation(now), pointsSaid(now), ...light];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });
@@ -91,7 +91,8 @@ function blurSaid(now) {
 
 // The description of the picture for those who do not see it.
 export function describe(now) {
-  return [settingSaid(now), pointsSaid(now), ...reason(now), explanation(now)].join(" ");
+  const far = mountains(now);
+  return [settingSaid(now), pointsSaid(now), ...far, ...(far.length ? [say("describe.reason")] : []), explanation(now)].join(" ");
 }
 
 // What is seen through what, and the numbers of the setting: nothing of what it looks like.
@@ -104,10 +105,10 @@ export function settingSaid(now) {
   return `${seenAs} ${values}.`;
 }
 
-// Why an object turns less than the mountains.
-function reason(now) {
+// By which angle the mountains turn: an object turns less.
+function mountains(now) {
   if (isToBeFound() || !now.two || !now.alpha || now.nearPole || !presets.hasPiece(state.scene) || !contents(now).has("thing")) return [];
-  return [say("describe.reason", { turned: turnedBy(now.alpha, forms("mountains")) })];
+  return [say("describe.mountains", { turned: turnedBy(now.alpha, forms("mountains")) })];
 }
 
 // The values of the parameters of each window's sheet. Of the second window's, only α is its own.

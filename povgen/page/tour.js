@@ -84,7 +84,8 @@ export const tour = {
   },
 
   // What a screen reader speaks of this step.
-  says: () => [say("tour.begun"), tour.text()],
+  says: () => [say("tour.begun"), tour.text(), ...(tour.paused ? [tour.place(reducedMotion.matches ? "count" : "paused")] : [])],
+  place: (sentence) => say(`tour.${sentence}`, { n: tour.step + 1, count: tour.steps.length }),
   text() {
     const { intro, steps } = entry(`tours.${TOURS[tour.which].name}`);
     return tour.intro ? intro : steps[tour.step];
@@ -115,7 +116,7 @@ export const tour = {
     $("tour").hidden = !on;
     if (!on) return;
     $("tour-text").textContent = this.text();
-    $("tour-count").textContent = this.intro ? "" : say("tour.count", { n: this.step + 1, count: this.steps.length });
+    $("tour-count").textContent = this.intro ? "" : this.place("count");
     $("tour-pause").textContent = say(this.paused ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
     $("tour-next").textContent = say(this.step === this.steps.length - 1 ? "tour.done" : "asking.next");
@@ -133,7 +134,10 @@ for (const button of document.querySelectorAll("[name=tour]")) button.addEventLi
   begin(Number(button.value));
 });
 $("tour-next").addEventListener("click", () => tour.next());
-on("tour-pause", "click", () => (tour.paused = !tour.paused));
+on("tour-pause", "click", () => {
+  tour.paused = !tour.paused;
+  if (!tour.paused) $("spoken").textContent = say("tour.goes_on");
+});
 $("tour-leave").addEventListener("click", () => tour.leave());
 
 // Whoever moves something else takes over. A panel, also the teacher's, begins with what the page showed before, and a language moves nothing.

@@ -329,7 +329,8 @@ def _named(scene: AxialScene) -> dict[str, complex]:
 
 def _letter(picture: NDArray[np.uint8], name: str, place: complex, others: Sequence[complex]) -> None:
     """Write a point's letter beside it, on the side that is away from the other points."""
-    size = 1.3 * max(TEXT * len(picture), LEGIBLE)
+    height, width, _ = picture.shape
+    size = 1.3 * max(TEXT * min(height, width * 4 / 3), LEGIBLE)
     away = sum((place - other) / abs(place - other) ** 2 for other in others) or 1 - 1j
     middle = place + 0.9 * size * away / abs(away)
     left, top = round(middle.real - size), round(middle.imag - size)

@@ -113,7 +113,9 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     names = {thing.name: drawing.pixels(thing.around) for thing in things if thing.name}
     above = {thing.name for thing in things if thing.colour == SHEET}
     first = {note: names[things[0].name], "eye": drawing.eye(scene)} if note else {"eye": drawing.eye(scene)}
-    return drawing.labelled(title, {**first, **dict(reversed(names.items()))}, above)
+    # windows last, from the eye on, so that their names stand in this order
+    order = [*(name for name in reversed(names) if name not in above), *(name for name in names if name in above)]
+    return drawing.labelled(title, {**first, **{name: names[name] for name in order}}, above)
 
 
 class Drawing:

@@ -438,7 +438,7 @@ def test_a_movie_too_large_for_its_format_is_refused_before_a_frame_is_rendered(
 def test_a_frame_rate_that_a_quality_makes_too_low(tmp_path, monkeypatch):
     monkeypatch.setattr("povgen.rendering.estimate.measured", lambda *_: (0, 0, 0, 0))
     line = ["movie", "chess", "--sweep", "alpha=0:180", "--frame-rate=0.1", "--dry-run"]
-    assert "frame_rate = 0.1: 0.08 frames a second at quality = 'draft'; allowed: 0.1 to 120" in refused(
+    assert "frame_rate = 0.1: 0.07969 frames a second at quality = 'draft'; allowed: 0.1 to 120" in refused(
         [*line, "--quality=draft"], tmp_path
     )
     assert povgen([*line, "--quality=standard"], tmp_path)[0] == 0 == povgen([*line, "--quality=hd"], tmp_path)[0]

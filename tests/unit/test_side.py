@@ -195,6 +195,16 @@ def test_names_are_legible_and_hide_no_other(scene, said, monkeypatch):
         assert min(each[3] for each in texts) >= size[1] / 40 or size[0] < size[1] / 2
 
 
+def test_names_of_windows_stand_in_their_order(monkeypatch):
+    """Also if the windows are so near to each other that their names would hide each other."""
+    places = {}
+    monkeypatch.setattr(side, "write", lambda draw, x, y, text, *_, **__: places.update({text: x}))
+    movie = [Chess(sheet="ideal", alpha=120, z1=2, z2=8, window=f"z={gap},alpha=120") for gap in (0.4, 0.5, 1, 5)]
+    for scene in movie:
+        side.side_view(scene, 768, 864, side.extent(movie))
+        assert places["window1"] < places["2"] < places["knight"]
+
+
 def test_it_is_added_below_the_picture(tmp_path):
     scene, size = Chess(sheet="none"), (96, 72)
     plain, more = (still.render(scene, size=size, antialias="off", side_view=on) for on in (False, True))

@@ -125,7 +125,7 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
         expect(answer).to_contain_text("Yes: ")
     page.evaluate("openQuestion(3); draw()")
     predict(0)
-    expect(page.locator("#score")).to_have_text("1 of 4 right at the first try")
+    expect(page.get_by_role("status").filter(has_text="1 of 4 right at the first try")).to_be_visible()
 
 
 def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):

@@ -81,6 +81,16 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     assert page.evaluate("povgen.questions.isAsked()")  # although its answer was shown before
     page.go_back()
     page.wait_for_function("povgen.state.state.question < 0 && povgen.state.state.light === 'pencil'")
+    page.evaluate("povgen.look.present(true)")
+    lesson = page.get_by_role("group", name="Stunde")
+    lesson.get_by_role("button", name="Stunde: weiter").click()
+    page.wait_for_function("povgen.state.state.prisms === 12")  # after the link that was opened last
+    page.reload()
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+13/14"))
+    lesson.get_by_role("button", name="Stunde: zurück").click()
+    page.wait_for_function("povgen.questions.isAsked()")
+    page.get_by_role("button", name="Beenden").click()
+    page.evaluate("povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
     page.evaluate("povgen.state.change({ depth: true, large: true }); povgen.data.draw()")
     page.get_by_role("button", name="Für Lehrkräfte").click()
@@ -91,7 +101,13 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     assert page.locator("#task-setting").inner_text().startswith("Ein Springer, gesehen durch: ")
     [code, picture, name, title] = bounds(page, "#task-code svg", "#task-picture", "#task-name", "#tasks h1")
     assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300 and title["height"] < 40
-    shown = pixels(base64.b64decode(page.evaluate("document.getElementById('task-picture').src.split(',')[1]")))
+    shown, free = (
+        pixels(base64.b64decode(page.evaluate(f"document.getElementById('task-{name}').src.split(',')[1]")))
+        for name in ("picture", "free")
+    )
+    [other] = bounds(page, "#task-free")
+    assert other["width"] == pytest.approx(picture["width"], abs=1)  # on the same scale, for comparison
+    assert shown.shape == free.shape and abs(shown - free).mean() > 5
     red, green, _ = np.moveaxis(shown[-60:], 2, 0)  # of the floor
     assert shown.shape[1] == 960 and np.percentile(abs(red - green), 99) < 60  # not for glasses, and not small
     page.evaluate("dispatchEvent(new Event('afterprint'))")
@@ -267,6 +283,16 @@ def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     assert colours_beside(page) == ["red", "floor"]
     page.get_by_label("floor").uncheck()
     assert colours_beside(page) == ["red", "blue"]
+    page.evaluate("tour.start(true); draw()")
+    assert page.evaluate("[view.sky, session.floor]") == [None, True]  # it speaks of mountains
+    page.evaluate("tour.leave(); draw()")
+    assert page.evaluate("[Boolean(view.sky), session.floor]") == [True, False]
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_role("button", name="Your room").click()
+    page.get_by_role("button", name="Your room").click()
+    for part in ("#stage", "#room-turn"):
+        expect(page.locator(part)).to_be_in_viewport(ratio=1)
+    page.set_viewport_size(WORK)
     for name, value, seen in (
         ("turned", 180, ["blue", "red"]),
         ("turned", 0, ["red", "blue"]),

@@ -203,11 +203,28 @@ def test_the_eye_follows_a_phone_that_is_tilted(page):
 
 
 def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
-    """On a phone, also in the guided start, and beside a question."""
+    """On a phone, also in the guided start, and beside a question. What would be too small can be enlarged."""
     resize(page, (1280, 800))
     show(page, question=1, level="simple")
     assert page.locator("#space-turn").bounding_box()["height"] > 150
+    resize(page, (1366, 768))
+    page.evaluate("work.answers.parallax = { given: '0', first: false, shown: true }; work.rows.length = 0")
+    show(page, question=6)
+    page.evaluate("draw()")
+    expect(page.locator("#space-turn")).to_be_hidden()
+    expect(page.locator("#show-large")).to_be_in_viewport(ratio=1)
+    page.evaluate("work.answers = {}; $('tab-measure').click(); draw()")
+    expect(page.locator("#move-first")).to_be_visible()
+    for _ in range(4):  # rows
+        page.evaluate("$('put-on').click(); draw(); $('write-down').click(); draw(); draw()")
+    expect(page.locator("#plot-nu")).to_be_in_viewport(ratio=1)
+    expect(page.locator("#show-large")).to_be_in_viewport(ratio=1)
+    page.evaluate("rows.splice(0); session.measuring = false; $('number-alpha').focus(); draw()")
+    dimmed = "[...document.querySelectorAll('#space .q')].filter((part) => getComputedStyle(part).opacity < 1).length"
+    assert page.evaluate(dimmed) == 0  # while a number is typed, nothing looks disabled
     resize(page, (390, 844))
+    show(page, question=1)
+    expect(page.locator("#prediction label").last).to_be_in_viewport(ratio=1)
     show(page, question=-1, level="expert")
     assert page.locator("#space-turn").bounding_box()["height"] > 200
     small = """() => [...document.querySelectorAll("body :not(svg *, sub, sup, option, .on-focus, .hidden-text)")]

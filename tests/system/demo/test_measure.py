@@ -1,5 +1,7 @@
 """Measuring on the page's picture: the protractor, the ruler, the table and its curves."""
 
+import re
+
 import pytest
 from conftest import NAMES
 from playwright.sync_api import expect
@@ -101,6 +103,23 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     label = measure.locator("#plot-nu").get_attribute("aria-label")
     assert label == "ν over α. By the equation, ν is now 18.4°. Measured points: 1."
     assert {"30", "α / °", "ν / °"} <= {*measure.locator("#plot-nu text").all_text_contents()}
+
+
+def test_beginners_have_one_size(measure):
+    """It is compared with the size without sheets, also in the table and the curve. The table keeps M."""
+    show(measure, alpha=180, z1=2, level="simple")
+    write_down(measure, put=True)
+    expect(measure.locator("#readings")).to_contain_text("It appears 2.00 times as large as without the sheets.")
+    expect(measure.locator("#spoken")).to_have_text("Row 1: ν = 0.0°, size = 2.00")
+    expect(measure.locator("#plot-M")).to_have_accessible_name(re.compile("^size over α. By .* size is now 2.00."))
+    field = measure.get_by_label("size in row 1")
+    expect(field).to_have_value("2.00")
+    field.fill("1,6")
+    assert measure.evaluate("rows[0].M") == "1.2"
+    expect(measure.locator(".symbol[value=M]")).to_have_text(re.compile("^Mark in the picture: size"))
+    show(measure, level="expert")
+    expect(measure.get_by_label("M in row 1")).to_have_value("1.2")
+    expect(measure.locator("#readings")).to_contain_text("= 1.50, compared with the size in the window.")
 
 
 def test_a_row_is_filled_by_hand_saved_and_removed(measure):

@@ -33,6 +33,7 @@ def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_f
     )
     page.keyboard.press("Tab")
     expect(page.get_by_role("button", name="Go on")).to_be_focused()
+    expect(page.locator("#spoken")).to_have_text(re.compile("^Paused, step 1 of 10. "))
     expect(page.locator("#poster")).to_have_count(0)
     page.evaluate(NAMES)
     assert page.evaluate("tour.passed = 0; tour.show(); draw(); view.scene.piece") == ["knight", "knight"]
@@ -40,6 +41,9 @@ def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_f
     shown = base64.b64decode(page.evaluate("still(view, 240, 180).toDataURL().split(',')[1]"))
     with Image.open(PROJECT / "povgen/page/poster.webp") as poster:
         assert abs(pixels(shown) - np.asarray(poster.convert("RGB").resize((240, 180)))).mean() < 8
+    page.keyboard.press("Enter")
+    expect(page.locator("#spoken")).to_have_text("The guided start goes on.")
+    page.keyboard.press("Enter")
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     page.evaluate("draw()")
@@ -107,6 +111,9 @@ def test_what_the_steps_say_is_what_they_show(tour):
     assert tour.evaluate("[state.alpha, Math.round(moment().nu), moment().M / bare(moment()) > 1.9]") == [180, 0, True]
     tour.evaluate("tour.go(8); draw()")
     expect(tour.locator("#light-says")).to_contain_text("They meet 2 tiles in front of the window")
+    for aside in (0, 0.4):  # each point's image is straight opposite it: the image is upright
+        tour.evaluate("(aside) => change({ L: [aside, aside - 0.85] })", aside)
+        assert tour.evaluate("meeting(bundle(moment()))") == pytest.approx([aside, aside - 0.85, -2])
 
 
 def test_who_goes_from_step_to_step_sees_and_hears_where_each_one_ends(tour):

@@ -69,8 +69,11 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     )  # the first one is not spoken
     show(page, alpha=100)
     expect(page.locator("#view")).to_have_attribute("aria-label", re.compile("α = 100.0°"))
+    far = "The mountains, which are far away, appear turned by 100.0° counter-clockwise. "
     turned = page.evaluate("explanation(moment())")
-    expect(spoken).to_have_text(turned)  # what has changed, not where object and eye are
+    expect(spoken).to_have_text(far + turned)  # what has changed, not where object and eye are
+    show(page, z1=2.5)
+    expect(spoken).to_have_text(re.compile("^The knight appears turned by"))  # the mountains stay
     page.locator("#eye-picture").press("ArrowRight")
     expect(spoken).to_have_text(
         re.compile("^The object L is .*, the eye E 0.05 tiles to the right from the window’s middle.$")
@@ -208,6 +211,9 @@ def test_the_diagram_is_in_reach_of_a_question(page):
 def test_votes_are_counted(page):
     page.evaluate("openQuestion(1); draw()")
     page.get_by_role("button", name="Votes of the class").click()
+    expect(page.locator("#ask")).to_be_in_viewport(ratio=1)
+    page.locator("#votes input").first.press("Enter")
+    expect(page.locator("#answer")).to_be_empty()
     for field, votes in zip(page.locator("#votes input").all(), ("12", "3", "5"), strict=True):
         field.fill(votes)
     assert page.locator("#votes output").all_text_contents() == ["60%", "15%", "25%"]
@@ -235,6 +241,8 @@ def test_questions_of_ones_own_are_a_link(page):
     page.get_by_role("button", name="A question of your own").click()
     page.get_by_role("button", name="Open the question").click()
     expect(page.locator("#own-message")).to_have_text("A question needs a text and 2 to 20 answers.")
+    page.locator("#own-text").fill("Which")
+    expect(page.locator("#own-message")).to_be_empty()
     page.evaluate("change({ alpha: 10, sheet: 'ideal' }); choose('de', true)")
     page.locator("#own-start").click()
     page.evaluate("choose('en', true); draw()")
@@ -254,7 +262,20 @@ def test_questions_of_ones_own_are_a_link(page):
     page.wait_for_function("state.alpha === 20")
     page.evaluate("draw()")
     page.locator("#level").uncheck()
-    page.locator("#previous").click()
+    page.evaluate("draw()")
+    expect(page.locator("#own")).to_be_hidden()  # with the button that closes it
+    count, other = page.locator("#question-count"), page.locator("#other-questions")
+    other.click()
+    expect(count).to_have_text("Question 1 of 15")
+    other.click()
+    expect(count).to_have_text("Question 1 of 2")
+    page.locator("#next").click()
+    page.evaluate("navigator.clipboard.writeText = async (text) => { window.copied = text; }; $('copy-link').click()")
+    assert page.evaluate("copied.includes(`question=${QUESTIONS[23].name}&`)")  # a class begins with the first one
+    page.evaluate("$('reset').click(); draw(); $('tab-questions').click(); draw()")
+    expect(count).to_have_text("Question 1 of 23")
+    page.locator("#level").uncheck()
+    other.click()
     link = page.evaluate("draw(), toHash()")
     assert len(link) < 350  # room for more questions in a QR code
     code = link.partition("own=")[2]
