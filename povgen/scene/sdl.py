@@ -303,8 +303,8 @@ def to_html(
 ) -> str:
     """Return a page of the live view, `liveview/page` or `page/index`, with its styles. Its script reads `data`.
 
-    `texts` are the laws that its shaders know, and `panorama` is the file of the mountains. `page/index` has `fonts`: text, bold and symbols as base64;
-    and a `poster`, a WebP picture as base64, if it has one.
+    `texts` are the laws that its shaders know, and `panorama` is the file of the mountains. `page/index` has `fonts`:
+    text, bold and symbols as base64; and a `poster`, a WebP picture as base64, if it has one.
     """
     template = _environment().get_template(f"{page}.html.j2")
     mountains = f"data:{guess_type(panorama.name)[0]};base64,{b64encode(panorama.read_bytes()).decode()}"
