@@ -92,7 +92,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.get_by_role("button", name="Beenden").click()
     page.evaluate("povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
-    page.evaluate("povgen.state.change({ depth: true, large: true }); povgen.data.draw()")
+    page.evaluate("povgen.state.change({ alpha: 90, depth: true, large: true }); povgen.data.draw()")
     page.get_by_role("button", name="Für Lehrkräfte").click()
     panel.get_by_role("button", name="Aufgabenblatt drucken").click()
     page.wait_for_function("window.printed")
