@@ -14,9 +14,8 @@ PAGE, README = PROJECT / "docs" / "gallery.md", PROJECT / "README.md"
 WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
-What povgen shows, in pictures. Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all
-pictures but the last ones, `make docs/gallery/pieces.png`, for example, one. `make docs/gallery.md` writes this
-page from a file for each picture, in `docs/gallery/`.
+Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all pictures but the last ones,
+`make docs/gallery/pieces.png` one. `make docs/gallery.md` writes this page from the files in `docs/gallery/`.
 """
 # the last sections: the movies, and what `make figures` renders
 TAIL = """
