@@ -112,7 +112,7 @@ povgen/page/poster.webp: | $(READY)
 # the mountains, for pictures and for the page
 povgen/inputs/mountains.jpg: | $(READY)
 	$(VENV)/bin/python docs/mountains.py -o $@
-povgen/liveview/mountains.webp: | $(READY)
+povgen/page/mountains.webp: | $(READY)
 	$(VENV)/bin/python docs/mountains.py --width 4096 --quality 60 -o $@
 docs/gallery/page.png: docs/page_picture.py $(SOURCES) | $(VENV)/live-ready
 	$(VENV)/bin/python docs/page_picture.py -o $@

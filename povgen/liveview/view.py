@@ -11,6 +11,7 @@ from pydantic import Field
 
 from povgen import files, remedies
 from povgen.errors import InputError, shown
+from povgen.inputs.pictures import MOUNTAINS
 from povgen.liveview import languages
 from povgen.liveview.scripts import script
 from povgen.liveview.values import values
@@ -144,7 +145,7 @@ def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
     kept = stored(volumes(pieces(scene)))
     data = {"scene": values(scene), "volumes": kept, "label": _label(scene), "failures": failures}
     laws = to_live([scene, *others])
-    return to_html("liveview/page", data, script("liveview/main.js", laws=laws), laws)
+    return to_html("liveview/page", data, script("liveview/main.js", laws=laws), laws, MOUNTAINS)
 
 
 def _moved(scene: Scene, moved: dict[str, Any]) -> Scene:

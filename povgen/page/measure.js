@@ -145,11 +145,11 @@ export function drawRows() {
   level = state.level;
   $("rows").replaceChildren(...rows.map((row, n) => {
     const field = (name, symbol, scale = 1) => {
-      const x = readNumber(row[name]), own = scale !== 1 && row[name].trim() && Number.isFinite(x);
-      const value = localised((own ? (x / scale).toFixed(2) : row[name]).replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
+      const isScaled = (x) => scale !== 1 && Number.isFinite(x), shown = readNumber(row[name]) / scale;
+      const value = localised((isScaled(shown) ? shown.toFixed(2) : row[name]).replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
       return element("input", { className: "field", value, autocomplete: "off", ariaLabel, oninput: ({ target }) => {
-        const typed = readNumber(target.value);
-        row[name] = scale !== 1 && target.value.trim() && Number.isFinite(typed) ? String(Number((typed * scale).toFixed(4))) : target.value;
+        const typed = readNumber(target.value) * scale;
+        row[name] = isScaled(typed) ? String(Number(typed.toFixed(4))) : target.value;
         keep();
         refresh();
       } });

@@ -34,6 +34,7 @@ from povgen.validation import as_flag
 from povgen.video import build
 
 MOVIES = ("vary-alpha", "vary-z1", "spheres")  # the paper's movies, in its order
+MOUNTAINS = Path(__file__).with_name("mountains.webp")  # smaller than that of pictures
 FACES = 60  # the page follows a ray through at most so many faces of prisms
 
 
@@ -89,7 +90,7 @@ def demo(
     laws = to_live()
     made = data(shown, shapes, presets, first, added)
     poster = "" if sky or str(floor) != "tiles" else b64encode((PACKAGE / "page/poster.webp").read_bytes()).decode()
-    text = to_html("page/index", made, script("page/main.js", laws=laws), laws, fonts.encoded(), poster)
+    text = to_html("page/index", made, script("page/main.js", laws=laws), laws, MOUNTAINS, fonts.encoded(), poster)
     save(text.encode(), page)
     return page
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.optics import apparent
+from povgen.optics import apparent, uncertainty
 from povgen.optics.equations import Booleans, Complexes, Floats
 from povgen.optics.rays import Bundle, Convergence
 from povgen.optics.shares import Shares, shares
@@ -230,6 +230,15 @@ def _visible(scene: Scene) -> Booleans:
     return np.asarray(pupil.first_image(scene) is not None)
 
 
+def _uncertainty(scene: AxialScene) -> float:
+    """Return the greatest possible error of the predicted position; near the pole it is large, at infinity infinite."""
+    if not scene.has_prisms:
+        return 0.0
+    (L, z1), radius = scene.objects[0], scene.radii[0]
+    P = complex(scene.apparent_position(L, z1, near=radius))
+    return uncertainty.possible_error(P, scene.E, z1, radius, scene.elements)
+
+
 QUANTITIES = {
     "x": Quantity(lambda scene: _position(scene).real, "tiles", "where the eye sees the object, in the plane z = 0"),
     "y": Quantity(lambda scene: _position(scene).imag, "tiles", "the same, upwards"),
@@ -237,6 +246,9 @@ QUANTITIES = {
         lambda scene: scene.nu_and_M(scene.distances[0])[0], "degrees", "the angle by which it appears turned"
     ),
     "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification"),
+    "uncertainty": Quantity(
+        _uncertainty, "tiles", "by how much x and y can be wrong, because of the finite size of the prisms"
+    ),
     "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0"),
     "seen_x": Quantity(
         lambda scene: traced_image(scene).position.real, "tiles", "x by the ray trace, on the designed path"

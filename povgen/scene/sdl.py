@@ -9,6 +9,7 @@ from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
+from mimetypes import guess_type
 from pathlib import Path
 from shlex import quote
 from typing import NamedTuple
@@ -296,17 +297,18 @@ def to_html(
     data: Mapping[str, object],
     script: str,
     texts: Sequence[laws.Text],
+    panorama: Path,
     fonts: Mapping[str, str] | None = None,
     poster: str = "",
 ) -> str:
     """Return a page of the live view, `liveview/page` or `page/index`, with its styles. Its script reads `data`.
 
-    `texts` are the laws that its shaders know. `page/index` has `fonts`: text, bold and symbols as base64;
-    and a `poster`, a WebP picture as base64, if it has one.
+    `texts` are the laws that its shaders know, and `panorama` is the file of the mountains. `page/index` has `fonts`:
+    text, bold and symbols as base64; and a `poster`, a WebP picture as base64, if it has one.
     """
     template = _environment().get_template(f"{page}.html.j2")
-    panorama = b64encode((PACKAGE / "liveview/mountains.webp").read_bytes()).decode()
-    return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster, panorama=panorama)
+    mountains = f"data:{guess_type(panorama.name)[0]};base64,{b64encode(panorama.read_bytes()).decode()}"
+    return template.render(data=data, script=script, laws=texts, fonts=fonts, poster=poster, mountains=mountains)
 
 
 def bare(text: str) -> str:

@@ -212,7 +212,7 @@ def test_a_file_of_povgens_is_written_over(tmp_path):
     (tmp_path / "a.csv").write_text("time,volts\n")
     with pytest.raises(InputError, match="a.csv' exists"):
         check_unasked([tmp_path / "a.csv"])
-    (tmp_path / "a.html").write_text(to_html("page/index", page.data({}), "", [], fonts.encoded()))
+    (tmp_path / "a.html").write_text(to_html("page/index", page.data({}), "", [], page.MOUNTAINS, fonts.encoded()))
     check_unasked([tmp_path / name for name in ("a.html", "missing")])
     (tmp_path / "figure1.md").write_text("![A ray](figure1.png)\n")
     check_unasked([tmp_path / "figure1.md"])

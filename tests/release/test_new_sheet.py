@@ -42,7 +42,7 @@ from povgen.scene.sdl import to_html
 from povgen import fonts
 data, laws = page.data({name: name for name in PIECES}), to_live()
 place = Chess(sheet="cylinder", power=-0.3, shift=(-1, 0.25, 0), z1=3, eye=(0.4, -0.3)).apparent_position(-0.85j, 3)
-html = to_html("page/index", data, scripts.script("page/main.js", laws=laws), laws, fonts.encoded())
+html = to_html("page/index", data, scripts.script("page/main.js", laws=laws), laws, page.MOUNTAINS, fonts.encoded())
 print(json.dumps([data, scripts.script(*sys.argv[1:], laws=laws), html, [place.real, place.imag]]))
 """
 

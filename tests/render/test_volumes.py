@@ -69,6 +69,16 @@ def test_hollows_and_hidden_surfaces():
     assert at(0.3, 0.4, 0.1) < -1.9
 
 
+def test_a_pyramid_has_its_slanted_walls():
+    """POV-Ray's prism that ends in a point: lines exactly along its axis would miss them."""
+    square = "<-1, -1>, <1, -1>, <1, 1>, <-1, 1>, <-1, -1>"
+    made = own(f"prism {{ conic_sweep linear_spline 0, 1, 5, {square} rotate 180*x translate y scale <0.4, 1, 0.4> }}")
+    x, y, z = np.moveaxis(points(made), -1, 0)
+    depth = np.minimum(0.4 * (1 - y) - np.maximum(abs(x), abs(z)), y)  # below the nearest wall, tiles
+    clear = abs(depth) > made.place[3]
+    assert ((stored(made) < 0) == (depth > 0))[clear].all() and (depth > 0)[clear].sum() > 1000
+
+
 @pytest.mark.parametrize("piece", some([*PIECES], 2))
 def test_pieces_are_solid(piece):
     """A piece's field has no single points that differ from all around them, as missed surfaces would leave."""

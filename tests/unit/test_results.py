@@ -37,6 +37,15 @@ def test_a_mirrored_picture_has_no_angle_and_one_at_infinity_no_place():
     assert results([Chess(sheet="ideal", alpha=180, z1=6)], "seen_M", "M", workers=1)["seen_M"] == [np.inf]
 
 
+def test_the_uncertainty_says_where_predictions_fail():
+    """Near the pole, prisms show the object where the equations do not say."""
+    table = results([Chess(alpha=alpha, z1=7, z2=7) for alpha in (66, 178)], "x", "seen_x", "uncertainty")
+    usual, near_pole = table["uncertainty"]
+    assert abs(table["x"] - table["seen_x"])[0] < usual < 0.02
+    assert np.isnan(table["seen_x"][1]) and near_pole > abs(table["x"][1])
+    assert results(Chess(sheet="ideal", alpha=178, z1=7, z2=7), "uncertainty")["uncertainty"] == [0]
+
+
 def test_the_columns_are_what_differs_and_the_quantities():
     table = results(SCENES, "M", "nu", "visible", progress=False)
     assert list(table) == ["alpha", "z1", "M", "nu", "visible"] and {len(column) for column in table.values()} == {6}

@@ -9,7 +9,7 @@ from povgen.cli import options
 from povgen.cli.command import Command, fields
 from povgen.errors import InputError
 from povgen.progress import wrote
-from povgen.settings import Print, Rendering
+from povgen.settings import QUALITIES, Print, Rendering
 
 
 @click.command("figure", cls=Command)
@@ -20,7 +20,7 @@ from povgen.settings import Print, Rendering
     metavar="QUALITY",
     default="high",
     show_default=True,
-    help="quality of the frames: draft, standard, high or hd",
+    help=f"quality of the frames: {', '.join(QUALITIES)}",
 )
 @click.option("--pdf", is_flag=True, help="also write PDF files, in which text is text")
 @fields("print")
