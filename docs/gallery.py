@@ -14,11 +14,10 @@ PAGE, README = PROJECT / "docs" / "gallery.md", PROJECT / "README.md"
 WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
-What povgen shows, in pictures. Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all
-pictures but the last ones, `make docs/gallery/pieces.png`, for example, one. `make docs/gallery.md` writes this
-page from a file for each picture, in `docs/gallery/`.
+Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all pictures but the last ones,
+`make docs/gallery/pieces.png` one. `make docs/gallery.md` writes this page from the files in `docs/gallery/`.
 """
-# the last sections: the movies, and what `make figures` renders
+# the last section: what `make figures` renders
 TAIL = """
 ## Frames of the paper's figures
 
@@ -27,6 +26,7 @@ TAIL = """
 ![Figure 6: spheres at six angles α](figures/figure6.png)
 
 `make figures` renders them. [Their captions](figures/README.md) give the measured rotations and magnifications.
+`povgen list` names the movies.
 """
 ROW = re.compile(r"(?<=\| \| \| \|\n\|---\|---\|---\|\n).*\n.*\n")  # of the README's pictures
 
@@ -47,9 +47,6 @@ def page() -> str:
         shows = "\n".join(wrap(each["shows"].strip(), WIDTH, break_long_words=False, break_on_hyphens=False))
         text += f"\n![{each['alt']}](gallery/{each['file']})\n\n{shows}\n"
         section = each["section"]
-    text += "\n## Movies\n\n| `povgen movie` | shows |\n|---|---|\n"
-    for path in sorted((PROJECT / "movies").glob("*.toml")):
-        text += f"| `{path.stem}` | {tomllib.loads(path.read_text('utf-8'))['title']} |\n"
     return text + TAIL
 
 
