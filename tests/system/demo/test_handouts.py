@@ -263,7 +263,7 @@ def colours_beside(page):
     page.evaluate("draw()")
     room = picture(page, COARSE)
     height, width, _ = room.shape
-    pixels = [room[int(part * height), width // 20] for part in (0.2, 0.8)]
+    pixels = [room[int(part * height), width // 20] for part in (0.2, 0.65)]
     names = {0: "red", 2: "blue"}
     return [names[int(p.argmax())] if p.max() > 200 and np.median(p) < 60 else "floor" for p in pixels]
 
