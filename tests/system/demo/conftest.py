@@ -44,7 +44,7 @@ class Faults(list):
 def opened(browser, file, hash_="", **options):
     """Open the teaching page, without its guided start."""
     page = browser.new_page(viewport=WORK, **options)
-    page.add_init_script("navigator.xr.isSessionSupported = async () => true")
+    page.add_init_script("if (navigator.xr) navigator.xr.isSessionSupported = async () => true")
     faults = Faults().watch(page, file.parent.as_uri())
     page.goto(file.as_uri() + hash_)
     page.evaluate(NAMES)
