@@ -64,7 +64,7 @@ def test_a_dot_becomes_a_disc_of_the_size_that_geometry_says(focus):
 def test_a_picture_that_looks_elsewhere_is_moved(values, renderer):
     pixel = 3.7 / SIZE[1]
     scene = Chess(alpha=60, z1=3, view=3.7, **values)
-    options = {"size": SIZE, "renderer": renderer, "quality": "draft"}
+    options = {"size": SIZE, "renderer": renderer, "antialias": "1.5x"}
     moved = render(scene.replace(look=(20 * pixel, -10 * pixel)), **options).astype(int)
     plain = render(scene, **options).astype(int)
     assert (abs(plain[10:, 20:] - moved[:-10, :-20]).max(-1) > 15).mean() < 0.02

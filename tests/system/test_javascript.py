@@ -666,7 +666,7 @@ def test_values_that_a_sheet_does_not_allow_are_said(page):
         assert ("|f| is at least 0.1." in text) == (value != kept)
         scene_of(page)
     text = sentence(page, sheet="axis", axis=[0, 1e-4, 0])
-    assert "a = (0, 0.0001, 0) has no direction" in text and page.evaluate("state.axis") == [1, 0, 0]
+    assert "a = (0, 0.0001, 0) has no direction" in text and page.evaluate("state.axis") == [0, 1, 0]
 
 
 # ---- Words ----

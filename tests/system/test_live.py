@@ -402,7 +402,7 @@ def test_bench_says_the_frames_a_second(browser, file):
 
 
 def test_the_page_is_one_small_file(file):
-    assert file.stat().st_size < 250_000
+    assert file.stat().st_size < 450_000  # half of it are the mountains
     text, mark, _ = file.read_text("utf-8").rpartition("<!-- povgen record ")
     assert mark and "src=" not in text and "http" not in text.replace("http-equiv", "")
 

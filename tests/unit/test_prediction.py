@@ -134,7 +134,11 @@ def test_no_warning_without_cause():
             Rendering(renderer="gl"),
             ["renderer = gl", "textures in 'own.inc'", "--renderer povray"],
         ),
-        (Chess(prisms=400), Rendering(quality="draft"), ["prisms = 400", "0.49 pixels", "1.2 pixels", "noise"]),
+        (
+            Chess(prisms=400),
+            Rendering(size=(320, 240), antialias="off"),
+            ["prisms = 400", "0.49 pixels", "1.2 pixels", "noise"],
+        ),
     ],
 )
 def test_each_limit_warns_in_words(scene, rendering, words):

@@ -50,7 +50,9 @@ def test_what_is_beyond_the_paper_is_chosen(page):
     choose = page.get_by_label("Kind of window")
     names = {each.name for kind in ALL_KINDS.values() for each in kind.parameters} - KEPT
     visible = "(names) => names.filter((name) => document.querySelector(`[data-quantity=${name}]`).checkVisibility())"
-    assert choose.locator("option").count() == 2 + len(ALL_KINDS)
+    assert choose.locator("option").count() == 3 + len(
+        ALL_KINDS
+    )  # and one window, two behind one another, two side by side
     for name, kind in ALL_KINDS.items():
         texts = page.evaluate("(name) => entry(`kinds.${name}`)", name)
         choose.select_option(label=texts["choice"])
