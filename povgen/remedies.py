@@ -1,9 +1,13 @@
 """How to mend what is missing: the command for this system and this installation, and what the documentation says."""
 
+import json
 import os
 import shlex
 import shutil
+from importlib.metadata import distribution
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 # For each program that installs a system's packages: the packages of POV-Ray, of Mesa's OpenGL without a window, and of
 # the program ffmpeg. Homebrew and conda-forge have no Mesa that draws without a window: macOS has its own OpenGL, and a
@@ -36,7 +40,9 @@ def system(what: str) -> str:
 
 
 def extra(name: str) -> str:
-    """Return the command that installs an extra of povgen: from the checkout, if povgen runs from one."""
+    """Return the command that installs an extra of povgen: from the checkout that povgen runs in or was installed from."""
     if (CHECKOUT / "pyproject.toml").exists():
         return f"pip install -e {shlex.quote(f'{CHECKOUT}[{name}]')}"
-    return f"pip install 'povgen[{name}]'"
+    origin = urlsplit(json.loads(distribution("povgen").read_text("direct_url.json") or "{}").get("url", ""))
+    source = url2pathname(origin.path) if origin.scheme == "file" else "povgen"
+    return f"pip install {shlex.quote(f'{source}[{name}]')}"
