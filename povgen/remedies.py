@@ -4,7 +4,6 @@ import json
 import os
 import shlex
 import shutil
-from importlib.metadata import distribution
 from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
@@ -40,9 +39,11 @@ def system(what: str) -> str:
 
 
 def extra(name: str) -> str:
-    """Return the command that installs an extra of povgen: from the checkout that povgen runs in or was installed from."""
+    """Return the command that installs an extra of povgen: from the checkout that it runs in or was installed from."""
     if (CHECKOUT / "pyproject.toml").exists():
         return f"pip install -e {shlex.quote(f'{CHECKOUT}[{name}]')}"
-    origin = urlsplit(json.loads(distribution("povgen").read_text("direct_url.json") or "{}").get("url", ""))
-    source = url2pathname(origin.path) if origin.scheme == "file" else "povgen"
+    source = "povgen"
+    for file in CHECKOUT.glob("povgen-*.dist-info/direct_url.json"):
+        origin = urlsplit(json.loads(file.read_text())["url"])
+        source = url2pathname(origin.path) if origin.scheme == "file" else source
     return f"pip install {shlex.quote(f'{source}[{name}]')}"

@@ -1,7 +1,6 @@
 """How to install what is missing."""
 
 import shlex
-from importlib.metadata import PathDistribution
 
 import pytest
 
@@ -40,6 +39,7 @@ def test_the_command_is_of_this_system(found, povray, gl, programs):
 def test_an_extra_is_installed_from_where_povgen_is(tmp_path, monkeypatch):
     assert shlex.split(remedies.extra("gl")) == ["pip", "install", "-e", f"{CHECKOUT}[gl]"]
     monkeypatch.setattr(remedies, "CHECKOUT", tmp_path)  # as a wheel's, which has no pyproject.toml beside it
-    assert shlex.split(remedies.extra("gl")) == ["pip", "install", f"{CHECKOUT}[gl]"]  # installed from there
-    monkeypatch.setattr(remedies, "distribution", lambda name: PathDistribution(tmp_path))  # from an index
     assert remedies.extra("gl") == "pip install 'povgen[gl]'"
+    (tmp_path / "povgen-1.dist-info").mkdir()  # of a folder
+    (tmp_path / "povgen-1.dist-info" / "direct_url.json").write_text('{"dir_info": {}, "url": "file:///a%20folder"}')
+    assert shlex.split(remedies.extra("gl")) == ["pip", "install", "/a folder[gl]"]
