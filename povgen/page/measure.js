@@ -165,6 +165,7 @@ export function drawRows() {
     return element("tr", {}, ...[sheets, ...numbers, field("nu", "ν"), field("M", sizeName(), unit(row)), remove].map((content) => element("td", {}, content)));
   }));
   $("save-csv").disabled = !rows.length;
+  $("measure-help").hidden = rows.length > 0;  // its room is for the rows
   refresh();
 }
 

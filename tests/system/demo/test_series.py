@@ -40,6 +40,6 @@ def test_a_sheet_begins_with_its_own_values(page):
     choose(page, "ideal", "same")
     page.locator("#number-alpha2").fill("77")
     choose(page, "ideal", "axis")
-    assert page.evaluate("[state.alpha, state.alpha2, state.axis]") == [120, 20, [0, 1, 0]]
+    assert page.evaluate("[state.alpha, state.alpha2, state.axis]") == [120, 15, [0, 1, 0]]
     page.locator("#undo").click()
     assert page.evaluate("[state.sheet2, state.alpha2]") == ["same", 77]
