@@ -146,7 +146,7 @@ def pictures(
         same.append(100 * shows_the_same(view, scene, shown).mean())
         picture = view.picture(size, RAYS)
         difference.append(picture_error(picture, converged, scene)[1] if detailed else flip(picture, converged).mean())
-    what, most = f"{kind}, worst of {len(scenes)} scenes", 0.07 if detailed else 0.05
+    what, most = f"{kind}, worst of {len(scenes)} scenes", 0.08 if detailed else 0.05
     yield Measured("gl", f"pixels that show the same as POV-Ray's: {what}", np.min(same), 99.5, "%", least=True)
     where = "in the window, " if detailed else ""
     yield Measured("gl", f"mean FLIP against POV-Ray's converged picture: {where}{what}", np.max(difference), most)

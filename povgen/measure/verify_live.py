@@ -51,4 +51,6 @@ def same(pairs: Sequence[tuple[View, OpenGLView]], size: Size = SIZE) -> Iterato
     yield Measured("live", f"{what}, {kind}", np.min(rays), 99.9, "%", least=True)
     what = "pixels with the colour of OpenGL's within 2 of 255, by rays through their centres"
     yield Measured("live", f"{what}, {kind}", np.min(pixels), 99.9, "%", least=True)
-    yield Measured("live", f"mean FLIP against OpenGL's picture, {RAYS} rays a pixel, {kind}", np.max(difference), 0.03)
+    yield Measured(
+        "live", f"mean FLIP against OpenGL's picture, {RAYS} rays a pixel, {kind}", np.max(difference), 0.035
+    )

@@ -314,8 +314,8 @@ def test_which_options_have_an_effect(sheet):
         "law": "x, y, z*2", "parameter": {"k": 2}, "focal_length": 5, "object_focal_length": 7, "twist": 9,
         "view_distance": 3, "glass": "F2", "design_wavelength": 500,
         "prisms": 50, "index": 1.6, "base_angle": 40, "gap": 0.1, "aspect": 1.1, "tops": "black", "fresnel": True,
-        "axis": (0, 1, 0), "ratio": 2, "alpha": 9, "error": {"pitch" if sheet == "lenticular" else "turn": 0.05},
-        "lenses": 50, "f_number": 4, "profile": "wedges", "periods": 50, "arrangement": "single",
+        "axis": (1, 0, 0), "ratio": 2, "alpha": 9, "error": {"pitch" if sheet == "lenticular" else "turn": 0.05},
+        "lenses": 50, "f_number": 4, "profile": "dove", "periods": 50, "arrangement": "single",
     }  # fmt: skip
     assert other.keys() <= {*USED_BY, "fresnel"}
     for name in USED_BY.keys() - other.keys():  # of a sheet that has been added

@@ -239,7 +239,10 @@ def tried(line, stdin=b""):
             WORK / name
             for name in ("frame.png", "movie.mp4", "demo.html", "live.html", "stability", "chart", "figures")
         ]
-        asked += [ROOT / "cache", *(WORK / f"{Path(word).stem}.mp4" for word in line if line[0] == "movie")]
+        asked += [
+            ROOT / "cache",
+            *(WORK / f"{Path(word.rpartition('=')[2]).stem}.mp4" for word in line if line[0] == "movie"),
+        ]
         asked += [Path(os.path.normpath(WORK / word.partition("=")[2])) for word in line if "=" in word]
         asked += [Path(os.path.normpath(WORK / word)) for word in line[1:]]
         asked += [page.with_name(f"{page.stem}-vary-z1.mp4") for page in asked if line[0] == "demo" and page.stem]

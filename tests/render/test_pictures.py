@@ -87,7 +87,7 @@ def test_ideal_sheet_at_alpha_0_changes_nothing(x, height):
     ideal, none = picture(scene), picture(scene.model_copy(update={"sheet": "none"}))
     differ = (abs(ideal - none).max(axis=-1) > 2).mean()  # more than rounding, 1 for each picture
     # rays that meet an edge exactly, or to within what interpolation costs off the axis; a shift by a pixel: 0.1 to 0.3
-    assert differ < 0.016
+    assert differ < 0.02
 
 
 @pytest.mark.parametrize("alpha", some([66, 0, -120], 1))
@@ -173,7 +173,7 @@ def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     ideal = picture(Spheres(sheet="ideal", **values))
     real = picture(Spheres(prisms=prisms, **values), "1,0.3,2")
     # the shift is of the order of the sheets' thickness: 0.26 tiles at 100 prisms, seen at an angle of up to 0.5
-    assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.13 * 100 / prisms + 1.5 * TILES
+    assert abs(place(real, yellow(real)) - place(ideal, yellow(ideal))) < 0.13 * 100 / prisms + 2 * TILES
 
 
 def test_prisms_of_slightly_different_heights_show_the_piece_at_the_same_place():
