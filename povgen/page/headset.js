@@ -52,5 +52,10 @@ async function enter(session) {
 const { xr } = navigator;
 xr?.isSessionSupported("immersive-vr").then((there) => ($("headset").hidden = !there), () => {});
 $("headset").addEventListener("click", () => {
-  xr.requestSession("immersive-vr").then(enter).catch(({ message }) => ($("copied").textContent = say("share.no_headset", { reason: message })));
+  /** @type {any} */
+  let session = null;
+  xr.requestSession("immersive-vr").then((started) => enter(session = started)).catch(({ message }) => {
+    session?.end();
+    $("copied").textContent = say("share.no_headset", { reason: message });
+  });
 });

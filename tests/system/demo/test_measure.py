@@ -177,7 +177,9 @@ def test_work_survives_the_page(browser, demo_file):
       .map((each) => document.querySelectorAll(each).length)"""
     page.locator("#tab-measure").click()
     page.get_by_role("button", name="Put A, B and C").press("Enter")
-    page.get_by_role("button", name="Write down").press("Enter")
+    write = page.get_by_role("button", name="Write down")
+    expect(write).to_be_enabled()  # a key would not wait for that
+    write.press("Enter")
     page.get_by_label("M in row 1").fill("0,9")
     page.evaluate("draw(); fromHash('#question=near'); draw()")
     page.get_by_role("radio", name="counter-clockwise").check()

@@ -248,6 +248,15 @@ def test_in_a_headset_each_eye_sees_a_picture_of_its_own(page):
     picture(page, COARSE)
     again = decoded(page.evaluate("view.context.repaint(), view.canvas.toDataURL()"))
     assert np.abs(again - eyes[2]).mean() < 1  # the page draws again
+    page.evaluate(
+        """() => {
+          view.gl.makeXRCompatible = async () => { throw Error("no graphics"); };
+          navigator.xr.requestSession = async () => ({ end: () => (window.ended = true) });
+          $("headset").click();
+        }"""
+    )
+    page.wait_for_function("window.ended")  # a session that cannot be drawn is not left open
+    expect(page.locator("#copied")).to_have_text("The headset does not start: no graphics")
 
 
 def decoded(url):
