@@ -97,7 +97,7 @@ PANELS: dict[str, list[Panel]] = {
     ],
     "refraction": [
         Panel(OUTLINED.replace(sheet="ideal"), "light turned by 40°"),
-        Panel(OUTLINED.replace(sheet="refraction", ratio=0.5), "and refracted, index behind/before 0.5: smaller"),
+        Panel(OUTLINED.replace(sheet="refraction", ratio=0.5), "and refracted, index behind / in front 0.5: smaller"),
     ],
     "pieces": [
         Panel(

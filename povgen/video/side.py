@@ -240,8 +240,9 @@ def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
     places = [opening.pose.place for opening in scene.openings] or [np.array(scene.camera.middle)]
     most = FARTHEST * max(float(np.linalg.norm(place - eye)) for place in places)
     names = [(name.removeprefix("window") or name) if n else name for n, name in enumerate(scene.named_openings)]
+    names = ["window 1" if name == "window1" else name for name in names]
     windows = [Thing(name, opening.edge, SHEET) for name, opening in zip(names, scene.openings, strict=True)]
-    if names == ["window1"]:
+    if names == ["window 1"]:
         sheet = scene.sheets[0]
         word = "window" if is_empty(scene) else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
         windows = [windows[0]._replace(name=word)]
