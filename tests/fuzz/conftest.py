@@ -25,7 +25,7 @@ ran = 0  # cases
 
 
 def cases(few):
-    """Run a test on `few` cases, the same each time, and for a release on 24 times as many.
+    """Run a test on `few` cases, the same each time, and for a release on 48 times as many.
 
     It fails if more than half of them were not run.
     """
@@ -44,7 +44,7 @@ def cases(few):
             fuzz()
             assert ran - before >= count / 2, f"only {ran - before} of {count} cases were run"
 
-        return pytest.mark.parametrize("count", [few, pytest.param(24 * few, marks=pytest.mark.release)])(run)
+        return pytest.mark.parametrize("count", [few, pytest.param(48 * few, marks=pytest.mark.release)])(run)
 
     return counted
 

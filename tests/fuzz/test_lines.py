@@ -14,20 +14,20 @@ from fuzz.values import COMMANDS, OPTIONS, SDL, lines, parameters
 NEEDED = {"spec": "spec.toml", "what": "info", "numbers": "1", "file": "recorded.png"}
 
 
-@cases(40)
+@cases(20)
 @given(st.sampled_from(COMMANDS).flatmap(lines))
 def test_command_lines(line):
     tried(line, SPEC.encode())
 
 
-@cases(80)
+@cases(40)
 @given(st.sampled_from(OPTIONS).flatmap(lambda place: lines(place[0], of=place[1])))
 def test_options(line):
     """One option with right and wrong values."""
     tried(line, SPEC.encode())
 
 
-@cases(40)
+@cases(20)
 @given(
     st.sampled_from([place for place in OPTIONS if parameters(place[0])[place[1]][0] is not bool]), st.sampled_from(SDL)
 )

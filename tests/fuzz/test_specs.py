@@ -86,13 +86,13 @@ def specs(draw, places):
     return toml(spec)
 
 
-@cases(60)
+@cases(30)
 @given(st.lists(st.sampled_from(PLACES), min_size=1, max_size=4, unique=True).flatmap(specs))
 def test_specs(text):
     tried_spec(text)
 
 
-@cases(30)
+@cases(15)
 @given(st.data())
 def test_what_is_no_toml(data):
     text = SPEC.encode()
@@ -104,7 +104,7 @@ def test_what_is_no_toml(data):
     tried_spec(made)
 
 
-@cases(40)
+@cases(20)
 @given(st.sampled_from(PLACES), st.sampled_from(SDL))
 def test_no_sdl_in_specs(place, payload):
     """Except in the title and the note, which do not reach POV-Ray."""

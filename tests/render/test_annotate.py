@@ -23,7 +23,7 @@ from povgen.video import captions, overlay
             ({"sheet": "detailed", "alpha": 66, "eye": 0.5j, "prisms": 20}, 0.03),
             ({"sheet": "single", "eye": 0.3 + 0.9j}, 0),
         ],
-        3,
+        1,
         several=True,
     ),
 )

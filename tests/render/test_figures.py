@@ -88,7 +88,7 @@ def made(tmp_path_factory):
     return Made(tmp_path_factory.mktemp("figures"))
 
 
-@pytest.mark.parametrize("number", some([*sorted(LINE_DRAWINGS), *sorted({*FIGURES} - LINE_DRAWINGS)], 3))
+@pytest.mark.parametrize("number", some([*sorted(LINE_DRAWINGS), *sorted({*FIGURES} - LINE_DRAWINGS)], 2))
 def test_nothing_is_cut_off_and_there_is_a_caption(made, number):
     picture, caption, _ = made[number]
     assert picture.shape[1] == 1400  # two columns at 200 dots an inch

@@ -140,7 +140,7 @@ def test_a_narrow_picture_shows_the_whole_frame():
     "values",
     some(
         [{"sheet": "ideal", "window": "alpha=40,z=3"}, *({"sheet": sheet} for sheet in ("none", "ideal", "detailed"))],
-        2,
+        1,
     ),
 )
 def test_half_the_view_is_the_middle_of_the_picture(values):
@@ -167,7 +167,7 @@ def test_ideal_sheet_shows_a_sphere_where_eq_7_says(alpha):
 
 
 @pytest.mark.parametrize("alpha", some([66, -60, 25, 120, 180], 1))
-@pytest.mark.parametrize("prisms", [100, 400])
+@pytest.mark.parametrize("prisms", some([100, 400], 1))
 def test_prisms_show_the_sphere_at_the_ideal_place(alpha, prisms):
     values = {"alpha": alpha, "z1": 3, "line": (-0.5, 0.3)}
     ideal = picture(Spheres(sheet="ideal", **values))
@@ -184,7 +184,7 @@ def test_prisms_of_slightly_different_heights_show_the_piece_at_the_same_place()
 
 
 @pytest.mark.parametrize(("sheet", "tolerance"), [("ideal", 0.75), ("detailed", 2)])
-@pytest.mark.parametrize("alpha", some([66, -135, -45, 30, 90, 150, 180], 2))
+@pytest.mark.parametrize("alpha", some([66, -135, -45, 30, 90, 150, 180], 1))
 def test_the_horizon_turns_by_alpha_counter_clockwise(sheet, tolerance, alpha, sky):
     scene = Spheres(alpha=alpha, sheet=sheet, z1=100, line=(9, 9), sky=sky)  # the sphere is out of the window
     assert abs(angle_between(horizon(picture(scene)), alpha)) < tolerance

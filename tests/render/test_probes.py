@@ -139,7 +139,7 @@ def directions_off(scene, monkeypatch, size=(64, 48)):
     return place, np.linalg.norm(decoded[inside] - direction, axis=-1)
 
 
-@pytest.mark.parametrize("eye", [(0, 0), (0.4, -0.3)])
+@pytest.mark.parametrize("eye", some([(0.4, -0.3), (0, 0)], 1))
 def test_rays_that_jump_are_wrong_within_a_pixel_of_the_jump(eye, monkeypatch):
     """At X = 0, where the law divides by 0, and at a slanting line."""
     law = "X/abs(X)*0.3, (X - 0.7*Y + 0.1)/abs(X - 0.7*Y + 0.1)*0.2 + 0.3*Y, 1"
@@ -148,7 +148,7 @@ def test_rays_that_jump_are_wrong_within_a_pixel_of_the_jump(eye, monkeypatch):
     assert off[away > 0.5 / 48].max() < 2e-4
 
 
-@pytest.mark.parametrize("size", some([(32, 7680), (7680, 32), (32, 32), (96, 240)], 2))
+@pytest.mark.parametrize("size", some([(32, 7680), (7680, 32), (32, 32), (96, 240)], 1))
 def test_no_uv_at_which_povray_writes_outside_its_memory(size, tmp_path):
     """POV-Ray keeps a table of triangles for each tenth of U and of V. It uses int(10 U) as an index, unchecked."""
     check = """

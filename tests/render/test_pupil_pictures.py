@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import povgen
+from conftest import povgen, some
 
 from povgen import Chess, Eye, Room, Sphere, Window, render, settings
 from povgen.measure.opengl import OpenGLView
@@ -44,7 +44,7 @@ def test_a_picture_is_the_mean_of_light_from_the_places_in_the_pupil(few_rays):
     assert wide.shape == (72, 96, 3) and wide.dtype == np.float32
 
 
-@pytest.mark.parametrize("focus", [3, 8, pytest.param(40, marks=pytest.mark.release)])
+@pytest.mark.parametrize("focus", some([3, 8, 40], 1))
 def test_a_dot_becomes_a_disc_of_the_size_that_geometry_says(focus):
     """A black dot at the distance 8 from the eye, whose picture is measured at the distance 6."""
     R, at = 0.3, 6 / focus
@@ -59,7 +59,9 @@ def test_a_dot_becomes_a_disc_of_the_size_that_geometry_says(focus):
     assert square == pytest.approx(disc**2 / 2 + sphere**2 / 2 + (5 / 160) ** 2 / 6, rel=0.1)
 
 
-@pytest.mark.parametrize("values", [{"sheet": "ideal"}, {"sheet": "ideal", "window": "z=1.5,alpha=20"}, {"prisms": 30}])
+@pytest.mark.parametrize(
+    "values", some([{"prisms": 30}, {"sheet": "ideal"}, {"sheet": "ideal", "window": "z=1.5,alpha=20"}], 1)
+)
 @pytest.mark.parametrize("renderer", ["povray", "gl"])
 def test_a_picture_that_looks_elsewhere_is_moved(values, renderer):
     pixel = 3.7 / SIZE[1]

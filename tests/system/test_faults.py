@@ -11,7 +11,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import POVGEN, SPEC, wait_for
+from conftest import POVGEN, SPEC, some, wait_for
 
 from povgen import MovieSpec, Rendering
 from povgen.rendering import frames
@@ -94,11 +94,7 @@ def rendered(tmp_path_factory):
 
 @pytest.mark.parametrize(
     "number, while_",
-    [
-        (signal.SIGTERM, "rendering"),
-        (signal.SIGINT, "encoding"),
-        pytest.param(signal.SIGHUP, "rendering", marks=pytest.mark.release),
-    ],
+    some([(signal.SIGTERM, "rendering"), (signal.SIGINT, "encoding"), (signal.SIGHUP, "rendering")], 1, several=True),
 )
 def test_stopped(place, number, while_, request):
     (place / "tmp").mkdir()
@@ -181,7 +177,8 @@ def test_an_ignored_signal_is_ignored(place):
 
 
 @pytest.mark.skipif(not CAN_MOUNT, reason="this user may not mount file systems")
-@pytest.mark.parametrize("what", ["encoding", pytest.param("rendering", marks=pytest.mark.release)])
+@pytest.mark.parametrize("what", ["encoding", "rendering"])
+@pytest.mark.release
 def test_no_room(place, what):
     """The old movie is kept. As soon as there is room, the same command makes the movie."""
     store, output, limit = {

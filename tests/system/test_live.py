@@ -232,6 +232,7 @@ def test_at_rest_nothing_is_drawn(page):
     assert page.evaluate("drawn") == 2  # one ray a pixel, and the sum on the canvas
 
 
+@pytest.mark.release
 def test_a_chromium_that_does_not_start(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: "/bin/false")
 

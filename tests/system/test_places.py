@@ -60,6 +60,7 @@ def test_a_link_as_output(tmp_path):
     assert sorted(os.listdir(tmp_path / "there")) == ["frame.png", "real.gif"]
 
 
+@pytest.mark.release
 def test_a_spec_from_standard_input(tmp_path):
     assert povgen(["movie", "-", *TINY, "-o", "a.mp4"], tmp_path, SPEC.encode())[0] == 0
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 3
@@ -70,6 +71,7 @@ def test_a_spec_from_standard_input(tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["a.mp4", "movie.mp4"]
 
 
+@pytest.mark.release
 def test_surroundings_that_lack_something(tmp_path):
     """A locale without UTF-8, no home, no terminal, and a folder of temporary files that does not exist."""
     environment = {**os.environ, "LC_ALL": "C", "LANG": "C", "HOME": "/nowhere", "TMPDIR": "/nowhere"}

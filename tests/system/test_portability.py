@@ -36,6 +36,7 @@ def run(tried, folder, rendering=TINY):
     return povray.run(SCENE.format(tried), rendering, folder / "work")
 
 
+@pytest.mark.release
 def test_check_says_that_util_linux_is_missing(few_programs, tmp_path):
     assert povgen([*FRAME, "-o", "a.png"], tmp_path) == (0, "", "") and (tmp_path / "a.png").is_file()
     status, out, err = povgen(["check"], tmp_path)

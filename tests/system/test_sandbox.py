@@ -230,6 +230,7 @@ def test_a_large_picture_takes_no_file_larger_than_itself(tmp_path, monkeypatch)
     assert run("", tmp_path, Rendering(size=(320, 240), antialias="off")).stat().st_size < 1 << 20
 
 
+@pytest.mark.release
 def test_a_lower_limit_of_the_systems_counts(tmp_path, monkeypatch):
     theirs = {resource.RLIMIT_AS: 300 << 20, resource.RLIMIT_FSIZE: 1 << 19}
     endless = resource.RLIM_INFINITY
