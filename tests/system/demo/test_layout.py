@@ -170,8 +170,11 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
 
 def test_a_finger_that_scrolls_from_a_slider_changes_nothing(browser, demo_file):
     page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
-    resize(page, (390, 844))
-    for across, down, changes in ((20, 0, True), (0, 0, True), (0, -20, False)):  # the page still scrolls at the end
+    upright, sideways = (390, 844), (740, 360)
+    for size, across, down, changes in (  # the last two scroll the page
+        *((upright, 20, 0, True), (upright, 0, 0, True), (upright, 0, -20, False), (sideways, 0, -20, False)),
+    ):
+        resize(page, size)
         page.evaluate("draw(); scrollTo(0, 200)")
         box = page.locator("#slider-z1").bounding_box()
         x, y = box["x"] + (150 if down else 10), box["y"] + box["height"] / 2
