@@ -3,7 +3,7 @@
 import { toHash } from "./address.js";
 import { askAnew, rewriteQuestion } from "./asking.js";
 import { $, element, refresh } from "./data.js";
-import { clear, isEmpty, key, storage, take } from "./kept.js";
+import { clear, isEmpty, keep, key, storage, take, work } from "./kept.js";
 import { say } from "./language.js";
 import { drawRows } from "./measure.js";
 import { drawOther, savedAs, view } from "./picture.js";
@@ -79,7 +79,15 @@ export function drawKept() {
   for (const part of document.querySelectorAll(".kept")) {
     part.toggleAttribute("hidden", isEmpty());
     part.firstElementChild.textContent = say(`kept.${storage.refused ? "refused" : "kept"}`);
+    part.querySelector(".student").value = work.student;
   }
+}
+for (const field of document.querySelectorAll(".student")) {
+  field.addEventListener("input", () => {
+    work.student = field.value;
+    keep();
+    refresh();
+  });
 }
 
 // Show other work: it was deleted, or another window of the browser has changed it.
@@ -140,10 +148,11 @@ addEventListener("beforeprint", () => {
   printed.src = copy.toDataURL("image/png");
 });
 addEventListener("afterprint", () => printed.removeAttribute("src"));
-// Print when the picture is there. `prepare` writes what is printed with it.
-export function printPicture(prepare = () => {}) {
+// Print when the pictures are there. `prepare` writes what is printed with them.
+export async function printPicture(prepare = async () => {}) {
   dispatchEvent(new Event("beforeprint"));
-  prepare();
-  Promise.allSettled([printed, ...document.querySelectorAll("#tasks img")].map((image) => image.decode())).then(() => print());
+  await prepare();
+  await Promise.allSettled([printed, $("rooms-printed"), ...document.querySelectorAll("#tasks img")].map((image) => image.decode()));
+  print();
 }
 $("print").addEventListener("click", () => printPicture());

@@ -88,7 +88,7 @@ class Part(Model):
 
     minutes: Positive | None = Field(default=None, description="how long it lasts")
     shows: Texts = Field(default=(), description="settings, each as in the page's address")
-    asks: Texts = Field(default=(), description="names of questions")
+    asks: Texts = Field(default=(), description="names of questions: they come first")
 
 
 class Lesson(Model):
@@ -102,6 +102,7 @@ class LessonWords(Model):
 
     title: str = Field(description="the title")
     steps: Texts = Field(description="a title for each step", min_length=1)
+    names: Texts = Field(default=(), description="what a class is told of each setting that the steps show, in turn")
     believed: Texts = Field(default=(), description="what students believe at first, for each step; can be empty")
 
 
@@ -214,7 +215,8 @@ def _lesson(name: str, table: dict[str, Any], words: dict[str, Any], pieces: Col
     for text in (each for part in parts for each in part.shows):
         settings(text, pieces)
     steps = [{**dict(part), "shows": [text.rpartition("#")[2] for text in part.shows]} for part in parts]
-    return Item("lessons", name, {"steps": steps}, _words(LessonWords, words, steps=len(parts), believed=len(parts)))
+    counts = {"steps": len(parts), "believed": len(parts), "names": sum(len(part.shows) for part in parts)}
+    return Item("lessons", name, {"steps": steps}, _words(LessonWords, words, **counts))
 
 
 def _words(model: type[Model], words: Mapping[str, dict[str, Any]], **counts: int) -> dict[str, dict[str, Any]]:
@@ -225,7 +227,8 @@ def _words(model: type[Model], words: Mapping[str, dict[str, Any]], **counts: in
             text = {key: [*value] if isinstance(value, tuple) else value for key, value in model(**table) if value}
             for key, count in counts.items():
                 if key in text and len(text[key]) != count:
-                    raise InputError(f"{key}: {len(text[key])} texts; allowed: {count}, one for each step")
+                    one = "setting" if key == "names" else "step"
+                    raise InputError(f"{key}: {len(text[key])} texts; allowed: {count}, one for each {one}")
         except InputError as error:
             raise InputError(f"[{language}]: {error}") from None
         found[language] = text

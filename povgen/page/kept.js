@@ -5,8 +5,9 @@ import { localised, separator } from "./language.js";
 
 // Votes and answers are by the names of the questions. An answer: the last prediction; whether the first one was right, null if
 // the answer was shown without one; and whether it is shown. `own`: the texts of a teacher's own questions among them.
-/** @type {{ rows: any[], votes: Record<string, number[][]>, own: Record<string, { ask: string, choices: string[] }>, answers: Record<string, { given: string | null, first: boolean | null, shown: boolean }> }} */
-export const work = { rows: [], votes: {}, answers: {}, own: {} };
+// `student`: whose work it is.
+/** @type {{ student: string, rows: any[], votes: Record<string, number[][]>, own: Record<string, { ask: string, choices: string[] }>, answers: Record<string, { given: string | null, first: boolean | null, shown: boolean }> }} */
+export const work = { student: "", rows: [], votes: {}, answers: {}, own: {} };
 export const storage = { refused: false };
 
 export const key = () => `povgen ${location.pathname}`;
@@ -18,9 +19,9 @@ export function take() {
   try {
     kept = JSON.parse(globalThis.location && localStorage.getItem(key()));
   } catch { /* nothing has been kept, or the browser refuses */ }
-  const { rows = [], votes = {}, answers = {}, own = {} } = kept ?? {};
+  const { student = "", rows = [], votes = {}, answers = {}, own = {} } = kept ?? {};
   work.rows.splice(0, Infinity, ...rows);
-  Object.assign(work, { votes, answers, own });
+  Object.assign(work, { student, votes, answers, own });
 }
 
 export function keep() {
@@ -50,14 +51,15 @@ export function csvOf(rows) {
   return rows.map((row) => row.map(cell).join(mark)).join("\r\n");
 }
 
-// The mark at the beginning tells spreadsheets that it is UTF-8.
+// With whose work it is, if that was said. The mark at the beginning tells spreadsheets that it is UTF-8.
 export function saveTable(download, rows) {
-  element("a", { href: `data:text/csv;charset=utf-8,${encodeURIComponent(`\ufeff${csvOf(rows)}`)}`, download }).click();
+  const named = work.student ? rows.map((row, n) => [n ? work.student : "student", ...row]) : rows;
+  element("a", { href: `data:text/csv;charset=utf-8,${encodeURIComponent(`\ufeff${csvOf(named)}`)}`, download }).click();
 }
 
 export function clear() {
   work.rows.splice(0);
-  Object.assign(work, { votes: {}, answers: {}, own: {} });
+  Object.assign(work, { student: "", votes: {}, answers: {}, own: {} });
   keep();
 }
 

@@ -8,7 +8,7 @@ import { $, drawBy, pick, refresh } from "./data.js";
 import { drawDiagram } from "./diagram.js";
 import { placeHandles } from "./handles.js";
 import { drawKept, page } from "./handouts.js";
-import { chooseUsual, say, spoken } from "./language.js";
+import { chooseUsual, say, SETTINGS, spoken } from "./language.js";
 import "./headset.js";
 import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
@@ -22,7 +22,7 @@ import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
 import "./teaching.js";
-import { describe, heard, seen } from "./text.js";
+import { describe, explanation, heard, isToBeFound, seen } from "./text.js";
 import "./tilt.js";
 import { tour } from "./tour.js";
 
@@ -74,15 +74,18 @@ function later(name, time, action) {
 
 let silent = true;  // until something has changed since the page was opened
 let told = [];   // what has been spoken last
+let toldOf = "";  // the settings that it was spoken of
 function speak(now) {
   const touring = tour.step >= 0;
   if (!touring || tour.isStill()) $("view").setAttribute("aria-label", describe(now));
   silent &&= toHash() === opened && !touring;
   // the guided start waits for who goes from step to step: only then is there time to say what is seen, too
   const sentences = !touring ? heard(now) : [...tour.says(), ...(tour.paused ? [seen(now)] : [])];
-  const news = sentences.filter((sentence) => sentence && !told.includes(sentence));
+  const news = sentences.filter((sentence) => sentence && !told.includes(sentence)), set = JSON.stringify(pick(state, ...SETTINGS));
+  // other settings can look the same, as 180 and -180 degrees do: then what is seen is spoken again, as a new text
+  if (!news.length && set !== toldOf && !touring && !isToBeFound()) news.push(`${explanation(now)}${$("spoken").textContent.endsWith("\u00a0") ? "" : "\u00a0"}`);
   if (!silent && news.length) $("spoken").textContent = news.join(" ");
-  told = sentences;
+  [told, toldOf] = [sentences, set];
 }
 
 // Whether something is being dragged, such as a slider: the address follows when it is released.

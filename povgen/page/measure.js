@@ -61,7 +61,7 @@ export function drawMeasure(now) {
     refresh();
   }
   $("write-down").disabled = !moved;
-  $("move-first").hidden = moved;
+  $("move-first").style.visibility = moved ? "hidden" : "";  // it keeps its room, so that the buttons stay where they are
   $("tell").setAttribute("aria-pressed", session.answered);
   const [A, B, C] = [points.A, points.B, points.C].map(onStage), { angle: found, AB, AC } = measured();
   const radius = Math.min(0.5 * abs(minus(B, A)), 0.5 * abs(minus(C, A)), 0.6 * tilePixels()), start = heading(A, B);

@@ -36,7 +36,7 @@ export function drawOverlay(now) {
   if (state.caption) drawCaption(caption(now), box, rem);
   const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
   overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
-  $("hint").classList.toggle("covered", state.caption || povray.shown);
+  $("hint").classList.toggle("covered", state.caption || povray.shown || state.compare !== "off");
   stage.classList.toggle("has-marks", state.position);
 }
 

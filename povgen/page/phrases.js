@@ -47,8 +47,13 @@ export function turnedBy(nu, of) {
   return say(`turned.${way}`, { angle: angle(Math.abs(nu)), thing: of });
 }
 
-// By how much the prediction can be wrong: `possibleError` is in pixels of a picture that is 1280 wide.
-export const doubt = (now) => (possibleError(now) < 1280 ? say("seen.doubt", { share: percent(Math.ceil(possibleError(now) / 12.8) / 100) }) : say("seen.doubt_wide"));
+// By how much the prediction can be wrong: `possibleError` is in pixels of a picture that is 1280 wide. Other sentences name a cause that
+// is not the prisms' size: the pole, or dark bands.
+export function doubt(now) {
+  const error = possibleError(now), isOther = now.nearPole || now.windows.some(makesBands);
+  const said = error < 1280 ? say("seen.doubt", { share: percent(Math.ceil(error / 12.8) / 100) }) : say("seen.doubt_wide");
+  return isOther ? said : `${say("seen.large")} ${said}`;
+}
 
 // The shares of the light in the window.
 function percents({ designed, stray }) {
@@ -62,13 +67,14 @@ function moireAlpha(window) {
   const [product, least] = data.limits.moire, count = window.values.aperture / shape(window).pitch;
   return count < least - 1e-9 ? 0 : product / count;
 }
+const makesBands = (window) => ["detailed", "lenticular"].includes(window.sheet) && Math.abs(((window.values.alpha + 540) % 360) - 180) < moireAlpha(window);
 
 // The warnings about the light in the window: povgen/scene/warnings.py, with the same limits.
 export function lightWarnings(now) {
   const light = lightInWindow(now), { designed } = data.limits, found = [];
   if (light && light.designed < designed * (1 - light.beside)) found.push(say("seen.stray", { ...percents(light), least: percent(designed) }));
   for (const [sheet, sentence] of [["detailed", "bands"], ["lenticular", "bands_lenses"]]) {
-    const parallel = now.windows.find((window) => window.sheet === sheet && Math.abs(((window.values.alpha + 540) % 360) - 180) < moireAlpha(window));
+    const parallel = now.windows.find((window) => window.sheet === sheet && makesBands(window));
     if (parallel) found.push(say(`seen.${sentence}`, { least: rough(moireAlpha(parallel)) }));
   }
   return found;

@@ -68,10 +68,10 @@ export function savedAs(href, ending) {
   element("a", { href, download: `povgen ${numbers}.${ending}` }).click();
 }
 
-// The overlay with its caption, as an image of the canvas's size.
-async function overlayImage({ width, height }) {
+// The overlay, by default with its caption, as an image of the canvas's size.
+export async function overlayImage({ width, height }, caption = true) {
   const before = state.caption;
-  state.caption = true;
+  state.caption = caption;
   drawOverlay(moment());
   state.caption = before;
   const copy = overlay.cloneNode(true);
@@ -132,11 +132,12 @@ export function setOtherSky(picture) {
   other?.setSky(picture);
 }
 
-// Draw what is to the right of the curtain, for a picture's file.
-export function drawOther(pen, { width, height }) {
+// Draw what is to the right of the curtain, for a picture's file. `anew`: without glasses, and as fine as the file.
+export function drawOther(pen, { width, height }, anew = false) {
   if (state.compare === "off" || !other?.gl) return;
-  const left = Math.round(session.curtain * width), { canvas } = other;
-  other.context.repaint();
+  if (anew) other.set({ eyes: 0 });
+  else other.context.repaint();
+  const left = Math.round(session.curtain * width), canvas = anew ? still(other, width, height) : other.canvas;
   pen.drawImage(canvas, session.curtain * canvas.width, 0, (1 - session.curtain) * canvas.width, canvas.height, left, 0, width - left, height);
 }
 

@@ -6,6 +6,7 @@ import { steppedEye } from "../liveview/presets.js";
 import { still } from "../liveview/readout.js";
 import { LiveView } from "../liveview/view.js";
 import { $, data, element, on, refresh } from "./data.js";
+import { printPicture } from "./handouts.js";
 import { brief, fixed, listed, say, separator } from "./language.js";
 import { ofKind, pieceName } from "./phrases.js";
 import { player } from "./player.js";
@@ -120,11 +121,15 @@ $("rooms-file").addEventListener("change", () => {
 });
 const save = (href, download) => element("a", { href, download }).click();
 $("rooms-save").addEventListener("click", () => save(`data:text/plain,${encodeURIComponent(textOf(open))}`, "room.toml"));
-$("rooms-picture").addEventListener("click", () => {
+// Do something with a picture, at least so wide.
+function picture(least, action) {
   if (!view?.gl) return;
-  const { width, height } = view.canvas, wide = Math.max(1920, width);
-  save(still(view, wide, Math.round((wide * height) / width)).toDataURL("image/png"), "room.png");
-});
+  const { width, height } = view.canvas, wide = Math.max(least, width);
+  action(still(view, wide, Math.round((wide * height) / width)).toDataURL("image/png"));
+}
+$("rooms-picture").addEventListener("click", () => picture(1920, (made) => save(made, "room.png")));
+$("rooms-print").addEventListener("click", () => printPicture());
+addEventListener("beforeprint", () => picture(0, (made) => ($("rooms-printed").src = made)));
 addEventListener("dragover", (event) => event.dataTransfer?.types.includes("Files") && event.preventDefault());
 addEventListener("drop", (event) => {
   if (!event.dataTransfer?.files.length) return;

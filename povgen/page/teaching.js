@@ -7,16 +7,25 @@ import { drawCode, page, printPicture } from "./handouts.js";
 import { inTab, keep, work } from "./kept.js";
 import { entry, marked, quantity, say, SYMBOL, unbroken } from "./language.js";
 import { moment, otherScene } from "./moment.js";
-import { drawOther, view } from "./picture.js";
+import { drawOther, overlayImage, view } from "./picture.js";
 import { ask, choices, QUESTIONS } from "./questions.js";
 import { OPENING } from "./state.js";
 import { settingSaid } from "./text.js";
 
 const asked = (name) => QUESTIONS.find((question) => question.name === name);
 
-// What a step of a lesson shows and asks: settings of the page.
-const settingsOf = ({ shows, asks }) => [...shows.map((text) => Object.fromEntries(new URLSearchParams(text))), ...asks.map((question) => ({ question }))];
-const SETTINGS = data.lessons.flatMap(({ steps }) => steps.flatMap(settingsOf));
+// What the steps of a lesson ask and show: settings of the page, with what says their names. A question comes before what answers it.
+function stepsOf({ name, steps }) {
+  let n = 0;
+  return steps.map(({ shows, asks }) => [
+    ...asks.map((question) => ({ setting: { question }, called: () => ask(asked(question)) })),
+    ...shows.map((text) => {
+      const setting = Object.fromEntries(new URLSearchParams(text)), k = n++;
+      return { setting, called: () => entry(`lessons.${name}.names`)?.[k] ?? inNumbers(setting) };
+    }),
+  ]);
+}
+const SETTINGS = data.lessons.flatMap((lesson) => stepsOf(lesson).flat());
 const hashOf = (setting) => `#${new URLSearchParams({ ...setting, ...lasting() })}`;
 /** @type {any[]} */
 const steppers = [...$("lesson").querySelectorAll("button")];
@@ -24,7 +33,7 @@ let at = Number(inTab("lesson") || -1);  // the one that was opened last
 
 // A setting is opened by its link, or by the buttons of Present. Its question is asked anew.
 function opens(setting) {
-  at = SETTINGS.findIndex((each) => hashOf(each) === hashOf(setting));
+  at = SETTINGS.findIndex((each) => hashOf(each.setting) === hashOf(setting));
   inTab("lesson", String(at));
   if (work.answers[setting.question]) work.answers[setting.question].shown = false;
   keep();
@@ -36,25 +45,26 @@ function drawPlace() {
   for (const button of steppers) button.disabled = !SETTINGS[at + Number(button.value)];
 }
 
-// A link to a setting of the page, named by the setting, or to a question.
-function settingLink(setting) {
-  const { sheet = OPENING.sheet, light, question } = setting;
+// The name of a setting that has none.
+function inNumbers(setting) {
+  const { sheet = OPENING.sheet, light } = setting;
   const numbers = Object.keys(setting).filter((name) => name in SYMBOL).map((name) => `${SYMBOL[name]} = ${quantity(name, Number(setting[name]))}`);
-  const parts = question ? [ask(asked(question))] : [say(`kinds.${sheet}.choice`), ...numbers, ...(light ? [say(`light.show.${light}`)] : [])];
-  return element("a", { href: page() + hashOf(setting), textContent: parts.join(", "), onclick: () => opens(setting) });
+  return [say(`kinds.${sheet}.choice`), ...numbers, ...(light ? [say(`light.show.${light}`)] : [])].join(", ");
 }
 
+const settingLink = ({ setting, called }) => element("a", { href: page() + hashOf(setting), textContent: called(), onclick: () => opens(setting) });
+
 // A lesson: the minutes of its steps, what the page shows in each, and the questions that it asks. Or a gallery, without minutes.
-function lessonTable({ name, steps }) {
-  const { title, steps: titles, believed = [] } = entry(`lessons.${name}`);
+function lessonTable(lesson) {
+  const { title, steps: titles, believed = [] } = entry(`lessons.${lesson.name}`), settings = stepsOf(lesson);
   let minute = 0;
-  const rows = steps.map((step, k) => {
-    const from = minute, { minutes } = step;
+  const rows = lesson.steps.map(({ minutes }, k) => {
+    const from = minute;
     minute += minutes ?? 0;
     return element("tr", {},
       element("td", { textContent: minutes ? `${from}–${minute}` : "" }),
       element("td", {}, element("b", { textContent: titles[k] }), ...(believed[k] ? [element("p", { textContent: say("teaching.believed", { what: believed[k] }) })] : []),
-        element("ul", {}, ...settingsOf(step).map((setting) => element("li", {}, settingLink(setting))))));
+        element("ul", {}, ...settings[k].map((each) => element("li", {}, settingLink(each))))));
   });
   const heads = ["minutes", "step"].map((head) => element("th", { scope: "col", textContent: say(`teaching.${head}`) }));
   return [element("h2", { textContent: title }), element("p", { textContent: say("teaching.lesson_help") }),
@@ -71,20 +81,24 @@ function drawLessons() {
   } })));
 }
 
-// The picture for measuring, or that without sheets: without glasses, and as large as it is printed, also where the page shows the
-// light in its place.
-function taskPicture(isFree) {
+// The picture for measuring, with what is drawn on it but its numbers, or that without sheets: without glasses, and as large as it is
+// printed, also where the page shows the light in its place.
+async function taskPicture(isFree) {
   if (!view.gl || view.gl.isContextLost()) return "";
   view.set({ ...(isFree ? otherScene(moment(), "none") : {}), eyes: 0 });
   const canvas = still(view, 960, Math.round((960 * view.canvas.height) / view.canvas.width));
-  if (!isFree) drawOther(canvas.getContext("2d"), canvas);
+  if (!isFree) {
+    const pen = canvas.getContext("2d");
+    drawOther(pen, canvas, true);
+    pen.drawImage(await overlayImage(canvas, false), 0, 0);
+  }
   refresh();
   return canvas.toDataURL();
 }
 
 const blank = (label) => element("span", { className: "blank", innerHTML: marked(label) });
 
-function drawTasks({ steps }) {
+async function drawTasks({ steps }) {
   const tasks = steps.flatMap(({ asks }) => asks).map(asked).map((question) => {
     const boxes = (choices(question) ?? ["……"]).map((choice) => element("span", { textContent: `☐ ${choice}` }));
     return element("li", {}, element("p", { textContent: unbroken(ask(question)) }), element("p", { className: "boxes" }, ...boxes));
@@ -93,8 +107,8 @@ function drawTasks({ steps }) {
   $("task-name").replaceChildren(blank(say("teaching.name")), blank(say("teaching.date")));
   $("task-setting").textContent = settingSaid(moment());
   $("task-measured").replaceChildren(...["<i>ν</i> =", `${say("page.size")} =`].map(blank));
-  $("task-picture").src = taskPicture(false);
-  $("task-free").src = taskPicture(true);
+  $("task-picture").src = await taskPicture(false);
+  $("task-free").src = await taskPicture(true);
   $("task-code").hidden = !drawCode($("task-code").firstElementChild);
   $("task-address").textContent = location.host ? page() : "";
 }
@@ -106,7 +120,7 @@ $("teach-open").addEventListener("click", () => {
 $("teach").addEventListener("click", ({ target }) => (target === $("teach") || target.closest("a")) && $("teach").close());
 addEventListener("afterprint", () => document.body.classList.remove("tasks"));
 for (const button of steppers) button.addEventListener("click", () => {
-  const setting = SETTINGS[at + Number(button.value)];
+  const { setting } = SETTINGS[at + Number(button.value)];
   opens(setting);
   location.hash = hashOf(setting);
 });

@@ -77,7 +77,8 @@ function remarks(now) {
   }
   if (scene.pupil && Number.isFinite(now.best) && contents(now).has("thing")) found.push(blurSaid(now));
   found.push(...lightWarnings(now));
-  if ((sheet !== "single" || now.beyond) && now.glass && unsure(now) && !now.beside) found.push(doubt(now));
+  const isTorn = state.level === "simple" && Number.isNaN(now.nu) && !now.general;  // then there is no angle to be predicted
+  if ((sheet !== "single" || now.beyond) && now.glass && unsure(now) && !now.beside && !isTorn) found.push(doubt(now));
   return found;
 }
 
@@ -132,6 +133,7 @@ export function caption(now) {
   const parts = [names[0], ...values[0], ...second, `z₁ = ${brief(now.z1)}`, `z₂ = ${brief(now.z2)}`, ...eyeValues(now)];
   if ((!now.two && !now.Z) || isToBeFound()) return parts;
   const nu = Number.isNaN(now.nu) ? "?" : angle(now.nu);
+  if (state.level === "simple") return [...parts, `ν = ${nu}`, `${say("page.size")} = ${brief(now.M / bare(now))}`];  // there r and M are not explained
   return [...parts, ...(now.Z ? [] : [`r = ${brief(now.r)}`]), `ν = ${nu}`, `M = ${brief(now.M)}`];
 }
 

@@ -294,6 +294,12 @@ def test_what_a_pupil_blurs_is_said(page):
     assert {"p = 0.3", "s = 6"} <= {*page.evaluate("caption(moment())")}
 
 
+def test_a_caption_has_the_size_that_the_level_explains(page):
+    for level, wanted in (("simple", ["ν = 15.0°", "size = 1.13"]), ("expert", ["r = 3", "ν = 15.0°", "M = 0.851"])):
+        found = page.evaluate("(level) => { change({ level }); return caption(moment()); }", level)
+        assert found[-len(wanted) :] == wanted
+
+
 def test_no_ideal_sheet_stands_behind_prisms(page):
     """The second window then has prisms, too, and the page says so."""
     text = sentence(page, windows=2, sheet="lens", sheet2="ideal")
@@ -458,6 +464,7 @@ def test_a_file_adds_a_question_a_tour_and_a_lesson(tmp_path):
         (ADDED["7-mine.toml"] + 'choices = ["a", "b"]', "2 choices; allowed: 3, for more, as much, and less"),
         (ADDED["7-mine.toml"].replace('answer = "change.nu"', "match = true"), "allowed: with alpha and z1"),
         (ADDED["walk.toml"].replace('["', '["Go.", "'), "[en]: steps: 2 texts; allowed: 1, one for each step"),
+        (ADDED["gallery.toml"] + 'names = ["a", "b"]', "names: 2 texts; allowed: 1, one for each setting"),
         (ADDED["gallery.toml"], "asks: 'mine' is unknown; allowed: sky, "),
     ],
 )
@@ -711,7 +718,9 @@ def test_a_picture_that_two_windows_tear_apart_has_no_angle(page):
     angles = {"alpha": 133.95, "alpha2": 124.55}
     text = sentence(page, windows=2, sheet="detailed", prisms=2, **angles, **depths, E=[0, 0], L=[0, 0.0457])
     assert page.evaluate("[moment().nu, moment().nearPole]") == [pytest.approx(np.nan, nan_ok=True), False]
-    assert "The prisms tear the knight apart: it has no angle." in text and "undefined" not in text
+    said = "The prisms are so large that they tear the knight apart: it has no angle."
+    assert said in text and not re.search("undefined|can be wrong", text)  # no angle, no error of it
+    assert "can be wrong" in sentence(page, level="expert")  # of the place P
 
 
 DOUBTFUL = [

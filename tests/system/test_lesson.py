@@ -9,8 +9,10 @@ import website
 from conftest import PROJECT
 
 from povgen import Chess
+from povgen.inputs.pieces import PIECES
 from povgen.optics import equations
 from povgen.optics.prism import Prism
+from povgen.page import items
 
 LESSON, WORKSHEET, SEMINAR = (
     (PROJECT / "docs" / f"{name}.md").read_text() for name in ("lesson", "worksheet", "seminar")
@@ -64,6 +66,18 @@ def test_the_page_takes_every_setting(text, node):
                 assert all(state[each] for each in value.split(","))
             else:
                 assert f"{state[name]:g}" == value if isinstance(state[name], (int, float)) else state[name] == value
+
+
+def test_the_pages_lesson_asks_before_it_shows():
+    """As this text does, in the same steps. Each step has the same questions and settings, in the same order."""
+    lesson = next(each for each in items.load([], PIECES) if each.name == "lesson")
+    for title, step in zip(lesson.words["en"]["steps"], lesson.data["steps"], strict=True):
+        [section] = re.findall(rf"(?ms)^## {title}\n.*?(?=^## )", LESSON)
+        found = [address.removesuffix("&piece=king") for _, address, _ in settings(section)]
+        wanted = [*(f"question={name}" for name in step["asks"]), *step["shows"]]
+        assert found[: len(step["asks"])] == wanted[: len(step["asks"])]
+        places = [found.index(address) for address in wanted]
+        assert places == sorted(places), title
 
 
 def numbers(text):

@@ -69,7 +69,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.evaluate("povgen.kept.work.answers.far = { given: '0', first: false, shown: true }")
     panel = page.get_by_role("dialog", name="Für Lehrkräfte")
     for link, shown in {
-        "ideale Platte, α = 180,0°, Strahlen von L": {"alpha": 180, "light": "pencil", "show": "large"},
+        "Wo das Licht sich trifft: vor dem Fenster, ohne Schirm": {"alpha": 180, "light": "pencil", "show": "large"},
         "Die Berge sind sehr weit weg. Um welchen Winkel drehen sie sich bei α = 66°?": {"question": "far"},
     }.items():
         page.get_by_role("button", name="Für Lehrkräfte").click()
@@ -84,15 +84,21 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.evaluate("povgen.look.present(true)")
     lesson = page.get_by_role("group", name="Stunde")
     lesson.get_by_role("button", name="Stunde: weiter").click()
-    page.wait_for_function("povgen.state.state.prisms === 12")  # after the link that was opened last
+    page.wait_for_function("povgen.state.state.alpha === 90")  # after the link that was opened last
     page.reload()
-    expect(lesson).to_have_text(re.compile(r"Stunde\s+13/14"))
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+11/14"))
     lesson.get_by_role("button", name="Stunde: zurück").click()
     page.wait_for_function("povgen.questions.isAsked()")
     page.get_by_role("button", name="Beenden").click()
     page.evaluate("povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
-    page.evaluate("povgen.state.change({ alpha: 90, depth: true, large: true }); povgen.data.draw()")
+    page.evaluate(
+        """async () => {
+          povgen.state.change({ alpha: 90, depth: true, large: true, compare: "none", image: true });
+          povgen.data.draw();
+          await povgen.picture.otherView().ready;
+        }"""
+    )
     page.get_by_role("button", name="Für Lehrkräfte").click()
     panel.get_by_role("button", name="Aufgabenblatt drucken").click()
     page.wait_for_function("window.printed")
@@ -110,6 +116,9 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     assert shown.shape == free.shape and abs(shown - free).mean() > 5
     red, green, _ = np.moveaxis(shown[-60:], 2, 0)  # of the floor
     assert shown.shape[1] == 960 and np.percentile(abs(red - green), 99) < 60  # not for glasses, and not small
+    right = abs(shown - free)[:, 500:]
+    assert np.median(right) < 3  # right of the curtain there are no sheets
+    assert (abs(shown[:, :460] - [255, 77, 240]).max(-1) < 60).sum() > 100  # the outline of the predicted image
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("#tasks").is_hidden()
     page.close()

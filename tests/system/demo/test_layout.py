@@ -170,16 +170,23 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
 
 def test_a_finger_that_scrolls_from_a_slider_changes_nothing(browser, demo_file):
     page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
-    resize(page, (390, 844))
-    for across, down, changes in ((20, 0, True), (0, 0, True), (0, -20, False)):  # the page still scrolls at the end
-        page.evaluate("draw(); scrollTo(0, 200)")
-        box = page.locator("#slider-z1").bounding_box()
+    upright, sideways = (390, 844), (740, 360)
+    page.evaluate("change({ compare: 'none' })")
+    for size, slider, across, down, changes in (
+        (upright, "slider-z1", 20, 0, True),
+        (upright, "slider-z1", 0, 0, True),
+        *((upright, "slider-z1", 0, -20, False), (sideways, "slider-z1", 0, -20, False)),  # the page scrolls
+        (sideways, "curtain", 0, -20, False),
+    ):
+        resize(page, size)
+        page.evaluate("(slider) => { draw(); scrollTo(0, slider === 'curtain' ? 0 : 200); }", slider)
+        box = page.locator(f"#{slider}").bounding_box()
         x, y = box["x"] + (150 if down else 10), box["y"] + box["height"] / 2
-        before, top = page.evaluate("[state.z1, scrollY]")
+        before, top = page.evaluate("[[state.z1, session.curtain], scrollY]")
         touch(page, *([(x + k * across, y + k * down)] for k in range(6 if across or down else 1)))
         if down:
             page.wait_for_function("(top) => scrollY > top", arg=top)
-        assert (page.evaluate("state.z1") != before) == changes
+        assert (page.evaluate("[state.z1, session.curtain]") != before) == changes
     assert not faults
     page.close()
 

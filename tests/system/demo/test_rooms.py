@@ -115,6 +115,14 @@ def test_a_room_of_a_file_looks_as_povgen_draws_it(page, tmp_path):
     assert "tilted: two sheets, α = −300.5°, turned by 20.0° and tilted by 0.0°, at (1.7, 0, 0)" in said
     assert "rook (−1.7, −1, 2)" in said and '“α "povgen"”' in said
     expect(page.locator("#rooms-choice option:checked")).to_have_text("my room")
+    page.evaluate("window.print = () => { window.printed = $('rooms-printed').naturalWidth; }")
+    page.locator("#rooms-print").click()
+    page.wait_for_function("window.printed > 100")
+    page.emulate_media(media="print")
+    for part, seen in (("#rooms-printed", True), ("#rooms-says", True), ("main", False), ("#rooms-yaw", False)):
+        expect(page.locator(part)).to_be_visible(visible=seen)
+    assert page.locator("#rooms-says").bounding_box()["height"] > 20  # not clipped
+    page.emulate_media(media="screen")
     link = page.evaluate("keepAddress(), location.hash")
     page.locator("#rooms .close").click()
     page.wait_for_function("!session.room")

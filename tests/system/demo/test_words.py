@@ -74,6 +74,11 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
     expect(spoken).to_have_text(far + turned)  # what has changed, not where object and eye are
     show(page, z1=2.5)
     expect(spoken).to_have_text(re.compile("^The knight appears turned by"))  # the mountains stay
+    for key in ("End", "Home", "End"):  # 180 and -180 degrees look the same: that is spoken each time
+        was = spoken.text_content()
+        page.locator("#slider-alpha").press(key)
+        page.wait_for_function("(was) => $('spoken').textContent !== was", arg=was)
+        expect(spoken).to_have_text(re.compile("The knight appears not turned, and "))
     page.locator("#eye-picture").press("ArrowRight")
     expect(spoken).to_have_text(
         re.compile("^The object L is .*, the eye E 0.05 tiles to the right from the window’s middle.$")
@@ -294,13 +299,14 @@ def test_questions_of_ones_own_are_a_link(page):
     page.get_by_role("button", name="Votes of the class").click()
     page.locator("#votes input").nth(1).fill("7")
     page.get_by_role("button", name="Votes of the class").click()
+    page.locator("#questions").get_by_label("Name:").fill("Ada, 11b")
     with page.expect_download() as download:
         page.get_by_role("button", name="Save CSV").click()
     name = page.evaluate("QUESTIONS[23].name")
     assert download.value.path().read_text("utf-8-sig").splitlines() == [
-        "name,question,answer,right,votes,votes_2,predicted,first_try",
-        f"{name},Which way <b>now</b>?,down & out,0,0,,0,",
-        f"{name},Which way <b>now</b>?,up,1,7,,1,1",
+        "student,name,question,answer,right,votes,votes_2,predicted,first_try",
+        f'"Ada, 11b",{name},Which way <b>now</b>?,down & out,0,0,,0,',
+        f'"Ada, 11b",{name},Which way <b>now</b>?,up,1,7,,1,1',
     ]
     page.locator("#next").click()
     page.evaluate("draw()")
@@ -418,7 +424,9 @@ def test_words_are_explained_where_they_stand(page):
         ({}, "appears turned by", "stray"),
         ({"z2": 1.2}, "% is stray light: below 25% little is recognised", "dark bands"),
         ({"alpha": 7.5}, "α is within 8° of 0", "stray"),
-        ({"alpha": 40, "prisms": 12, "z1": 5}, "can be wrong by", "dark bands"),
+        ({"alpha": 7.5, "z1": 5}, "can be wrong by", "strips"),
+        ({"alpha": 180, "z1": 5.8}, "can be wrong by", "strips"),
+        ({"alpha": 40, "prisms": 12, "z1": 5}, "strips. Here the prediction can be wrong by", "dark bands"),
         ({"sheet": "lenticular", "alpha": -2}, "the two sheets are nearly parallel and make dark", "stray"),
     ],
     ids=str,
