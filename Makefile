@@ -17,12 +17,10 @@ RENDERER_READY := $(if $(filter gl auto,$(RENDERER)),gl-deps $(VENV)/gl-ready)
 MOVIES := $(filter-out $(BEYOND),$(patsubst %.toml,%.mp4,$(wildcard movies/*.toml)))
 # a file for each picture
 GALLERY := docs/gallery/rotation.webp $(filter-out %/rotation.png,$(patsubst %.toml,%.png,$(wildcard docs/gallery/*.toml)))
-# these are made by one command
-FRAMES := $(patsubst %.toml,%.png,$(shell grep -l '^command' docs/gallery/*.toml))
 # those of the worksheet
 PRINTED := $(addprefix docs/worksheet/,free.png far.png near.png)
 # these compare scenes side by side
-PANELS := $(filter-out $(FRAMES) %/page.png %.webp,$(GALLERY))
+PANELS := $(filter-out %/page.png %.webp,$(GALLERY))
 # without volumes.xz: a checkout may leave it older than the templates, and it takes long to make
 SOURCES := $(shell find povgen templates -type f -not -path '*/__pycache__/*' -not -name volumes.xz)
 READY := $(VENV)/ready
@@ -94,8 +92,6 @@ $(PRINTED): ARGUMENTS = frame chess --piece king --view 2.6 --size 480x480 --ant
 docs/worksheet/free.png: SHOWS = --sheet none --z1 6
 docs/worksheet/far.png: SHOWS = --sheet ideal --alpha 90 --z1 6
 docs/worksheet/near.png: SHOWS = --sheet ideal --alpha 90 --z1 2
-$(FRAMES): docs/gallery/%.png: docs/gallery/%.toml $(SOURCES) | $(READY)
-	eval "$(POVGEN) $$($(VENV)/bin/python docs/gallery.py $*) -o $@"
 $(PRINTED): $(SOURCES) | $(READY)
 	@mkdir -p $(@D)
 	$(POVGEN) $(ARGUMENTS) -o $@

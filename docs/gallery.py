@@ -1,10 +1,6 @@
-"""Write docs/gallery.md, and the README's row of pictures, from docs/gallery/*.toml: `python docs/gallery.py`.
-
-With the name of a picture that one command makes it prints the command's words after `povgen`.
-"""
+"""Write docs/gallery.md, and the README's row of pictures, from docs/gallery/*.toml: `python docs/gallery.py`."""
 
 import re
-import sys
 import tomllib
 from pathlib import Path
 from textwrap import wrap
@@ -58,8 +54,5 @@ def readme() -> str:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:]:
-        print(pictures()[sys.argv[1]]["command"])
-    else:
-        PAGE.write_text(page(), "utf-8")
-        README.write_text(readme(), "utf-8")
+    PAGE.write_text(page(), "utf-8")
+    README.write_text(readme(), "utf-8")

@@ -14,6 +14,7 @@ from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.captions import Caption
 from povgen.video.overlay import Item, annotated, legend, strip
+from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, text_width, write
 
 SIZE, WIDE = (480, 480), (968, 480)  # of a panel, and of a picture with one, pixels
@@ -33,6 +34,7 @@ class Panel(NamedTuple):
     names: dict[str, tuple[complex, complex]] = {}  # the middle of each, and where the line from it ends
     magnify: bool = False
     overlay: bool = False
+    side_view: bool = False  # below all panels
     section: str = ""  # what the section of a prism, drawn at the lower left, says of the top face
     size: tuple[int, int] = SIZE
 
@@ -46,6 +48,8 @@ BUILT = Chess(alpha=66, z1=10, z2=10, view=3.4)
 FINE = CHESS.replace(z1=2.5)
 PREDICTED = CHESS.replace(predicted_image=True)
 OUTLINED = CHESS.replace(alpha=40, direct_image=True)
+EMPTY = {"sheet": "none", "window": "sheet=none,z=2"}
+TWO = CHESS.replace(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1))
 PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
 PIECES = Chess(
     sheet="none", piece=[*PLACES], x=[*PLACES.values()], z1=8, aperture=5, pedestal=0.8, eye=(0, 0.66), view=1.8
@@ -81,6 +85,18 @@ PANELS: dict[str, list[Panel]] = {
     "black-tops": [
         Panel(CHESS, "clear prisms", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}, section="clear top"),
         Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black top"),
+    ],
+    "ideal": [
+        Panel(CHESS.replace(sheet="none"), "without sheets", overlay=True),
+        Panel(CHESS.replace(sheet="ideal"), "α = 66°: the foot appears where curves cross", overlay=True),
+    ],
+    "real-image": [
+        Panel(CHESS.replace(sheet="none"), "without sheets"),
+        Panel(CHESS.replace(sheet="ideal", alpha=180), "α = 180°: rays meet in front of the sheets", side_view=True),
+    ],
+    "imaging": [
+        Panel(TWO.replace(**EMPTY), "two windows without sheets"),
+        Panel(TWO, "each window turns rays by α = 120°", side_view=True),
     ],
     "far": [
         Panel(FAR.replace(sheet="none"), "without sheets", ACROSS, {"horizon": (-1.1 + 0.25j, -1.1 + 0.03j)}),
@@ -208,7 +224,11 @@ def main() -> None:
     gap = np.full((len(pictures[0]), GAP, 3), STRIP, np.uint8)
     parts = [pictures[0], *(part for picture in pictures[1:] for part in (gap, picture))]
     joined = np.concatenate(parts, axis=1)
-    given.output.write_bytes(encode.png(np.concatenate((_key(panels[0], joined.shape[1]), joined))))
+    keyed = panels[-1 if panels[-1].overlay else 0]  # through sheets an overlay has more lines
+    rows = [_key(keyed, joined.shape[1]), joined]
+    if panels[-1].side_view:
+        rows.append(side_view(panels[-1].scene, joined.shape[1], 3 * joined.shape[1] // 5))
+    given.output.write_bytes(encode.png(np.concatenate(rows)))
 
 
 if __name__ == "__main__":

@@ -24,18 +24,18 @@ export const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
 export function drawOverlay(now) {
   const box = { width: stage.clientWidth, height: stage.clientHeight };
   if (!box.width) return;
-  const rem = Math.max(12, box.height / 36, document.body.classList.contains("present") ? innerHeight / 40 : 0);
+  const least = Math.max(12, document.body.classList.contains("present") ? innerHeight / 40 : 0);
+  const rem = Math.max(least, box.height / 36);
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(session.marked))) parts.push(...paths(now));
   parts.push(...dashed(), ...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
   if (now.nearPole && !isToBeFound()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
-  parts.push(...key(now, rem, box));
+  parts.push(...key(now, rem));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
   overlay.style.fontSize = `${rem}px`;
   overlay.replaceChildren(...parts);
   if (state.caption) drawCaption(caption(now), box, rem);
-  const texts = [...overlay.querySelectorAll(".keyword")].map((text) => text.getComputedTextLength());
-  overlay.querySelector(".key")?.setAttribute("width", Math.max(...texts) + 3.3 * rem);
+  placeKey(box, rem, least / rem);
   $("hint").classList.toggle("covered", state.caption || povray.shown || state.compare !== "off");
   stage.classList.toggle("has-marks", state.position);
 }
@@ -128,20 +128,38 @@ const eyeMark = (E, rem) => [dot("halo ring", E, 0.55 * rem), dot("ring q q-E", 
 
 const nameOfP = (at, out, others, rem, reach) => (out ? awayP(out, rem, rem) : [corner("P", at, others, (reach + 0.9 * rem) / 1.1)[1]]);
 
-// The key, in the picture's upper left corner.
-function key(now, rem, { width, height }) {
+// The entries of the key, each at the origin.
+function key(now, rem) {
   const lines = [];
   if (state.position) lines.push(["mark chosen", "P"], ["dot", "L"], ["ring", "E"]);
   if (state.circles && now.two) lines.push(["of-alpha", "of_alpha"], ["of-r", "of_r"]);
   if (hasImage(now)) lines.push(["image", "image"]);
   if (!lines.length) return [];
-  const [x, y] = [-width / 2 + 0.6 * rem, -height / 2 + 0.6 * rem];
-  const parts = [svg("rect", { class: "key", x, y, height: (0.7 + 1.35 * lines.length) * rem, rx: 0.4 * rem })];
-  return [...parts, ...lines.flatMap(([kind, name], n) => {
-    const aside = (ems) => plus([x + 1.3 * rem, y + (1.05 + 1.35 * n) * rem], [ems * rem, 0]);
-    const sign = kind.startsWith("of-") ? line(kind, aside(-0.7), aside(0.7)) : dot(kind, aside(0), (kind === "dot" ? 0.3 : 0.42) * rem);
-    return [sign, words("keyword", aside(1.2), say(`overlay.${name}`))];
-  })];
+  const entries = lines.map(([kind, name]) => {
+    const entry = svg("g", { class: "entry" });
+    const sign = kind.startsWith("of-") ? line(kind, [0, 0], [1.4 * rem, 0]) : dot(kind, [0.7 * rem, 0], (kind === "dot" ? 0.3 : 0.42) * rem);
+    entry.append(sign, words("keyword", [1.8 * rem, 0], say(`overlay.${name}`)));
+    return entry;
+  });
+  return [svg("rect", { class: "key", rx: 0.4 * rem }), ...entries];
+}
+
+// The key is a row above the window's frame. Where it would be too long, its letters shrink to `least` of their size, and then
+// there are more rows.
+function placeKey({ width, height }, rem, least) {
+  const entries = [...overlay.querySelectorAll(".entry")];
+  if (!entries.length) return;
+  const wide = entries.map((entry) => entry.querySelector("text").getComputedTextLength() + 2.5 * rem);
+  const room = width - rem, size = Math.max(least, Math.min(1, room / wide.reduce((all, one) => all + one)));
+  let x = 0, row = 0, longest = 0;
+  entries.forEach((entry, n) => {
+    if (x && x + size * wide[n] > room) [x, row] = [0, row + 1];
+    entry.setAttribute("transform", `translate(${x - width / 2 + rem} ${(0.8 + 1.35 * row) * size * rem - height / 2}) scale(${size})`);
+    x += size * wide[n];
+    longest = Math.max(longest, x);
+  });
+  const place = { x: 0.4 * rem - width / 2, y: 0.05 * rem - height / 2, width: longest + 0.5 * rem, height: (1.5 + 1.35 * row) * size * rem };
+  for (const [name, value] of Object.entries(place)) overlay.querySelector(".key").setAttribute(name, String(value));
 }
 
 // ---- A dashed outline of the piece: a prediction by drawing, or what the picture has to be made to match ----

@@ -83,7 +83,9 @@ def _of_axis(scene: AxialScene, designed: float) -> Iterator[tuple[str, str]]:
         eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
         shapes = [(name, sheet.values[name]) for name in UNUSUAL for sheet in scene.layered if name in sheet.values]
         unusual = (
-            f", {name} = {x:g}" for name, x in dict.fromkeys(shapes) if x != type(scene).model_fields[name].default
+            f", {name} = {x if isinstance(x, str) else f'{x:g}'}"
+            for name, x in dict.fromkeys(shapes)
+            if x != type(scene).model_fields[name].default
         )
         text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"
         text += f" {_things(scene)}' designed path,"

@@ -1,5 +1,6 @@
 """Draw predicted positions on a picture, and add strips with texts: the legend, and the caption."""
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
 from itertools import combinations, islice, pairwise
@@ -164,17 +165,22 @@ def _broken(item: Item, most: float, size: float) -> list[Item]:
         return [item]
     every = [_wrapped(item.widest, share * width, size) for share in np.linspace(1, 0.4, 25)]
     lines = [each for each in every if len(each) == len(every[0])][-1]
-    words = iter(item.text.split(" "))
+    words = iter(_words(item.text))
     texts = [" ".join(islice(words, len(line))) for line in lines]
     texts[-1] = " ".join(filter(None, [texts[-1], *words]))
     colours = [item.colour, *[None] * (len(lines) - 1)]
     return [Item(text, " ".join(line), colour) for text, line, colour in zip(texts, lines, colours, strict=True)]
 
 
+def _words(text: str) -> list[str]:
+    """Return the words of a text. No line breaks at an equals sign."""
+    return re.split("(?<!=) (?!=)", text)
+
+
 def _wrapped(text: str, width: float, size: float) -> list[list[str]]:
     """Return the words of a text in lines that are at most so wide, if no word is wider."""
     lines: list[list[str]] = [[]]
-    for word in text.split(" "):
+    for word in _words(text):
         if lines[-1] and text_width(" ".join([*lines[-1], word]), size) > width:
             lines.append([])
         lines[-1].append(word)

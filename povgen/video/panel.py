@@ -16,6 +16,8 @@ from povgen.video.text import STRIP
 SHARE = 0.6  # of the whole width: the picture's
 LINES = 12  # of a text, at most
 LETTERS = 0.8  # of the side view, as a multiple of those below a picture of the same height
+LARGEST = 1.3  # of the texts, likewise
+FILLED = 0.85  # of the panel's height, at most
 
 Bytes = NDArray[np.uint8]
 Sketch = Callable[[int, int], Bytes]  # draws the side view for a width and for the height of a picture
@@ -71,14 +73,14 @@ def beside(
         small = Image.fromarray(shown).resize((part, round(height * part / width)), Image.Resampling.LANCZOS)
         below = [sketch(part, round(LETTERS * height))] if sketch else []
         left, sketch = _column([np.asarray(small), *below], part, height), None
-    size = 1.0
+    size = LARGEST
     while True:
         above, legend = (
             [overlay.strip([item], width - part, height, size, LINES) for item in several] for several in (items, keys)
         )
         drawn = [sketch(width - part, round(LETTERS * height))] if sketch else []
         groups = [*above, *drawn, *legend]
-        if sum(map(len, groups)) <= height:
+        if sum(map(len, groups)) <= FILLED * height:
             return np.concatenate((left, _column(groups, width - part, height)), axis=1)
         size *= 0.95
 

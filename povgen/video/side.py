@@ -125,7 +125,7 @@ class Drawing:
         self.shows = shows
         self.size = size = min(max(TEXT * height, min(LEGIBLE, MAX_TEXT * height)), width / 13)
         wide, high = shows.last - shows.first, shows.high - shows.low
-        self.scale = min((width - 4 * size) / wide, (MOST * height - 3.4 * size) / high)
+        self.scale = min((width - 3 * size) / wide, (MOST * height - 3.4 * size) / high)
         rows = 2 * int(min(self.scale * high + 5 * size, MOST * height) / 2)
         left = (width - self.scale * wide) / 2 - self.scale * shows.first
         self.origin = left, rows / 2 + self.scale * (shows.high + shows.low) / 2

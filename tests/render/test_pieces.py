@@ -37,6 +37,16 @@ def test_a_piece_is_as_large_as_stated(piece):
     assert abs(np.hypot(x, z).max() - PIECES[piece]) < 0.002
 
 
+@pytest.mark.parametrize("piece", PIECES)
+def test_the_stem_has_no_gap_above_the_foot(piece):
+    """It begins below the round rim of the foot's upper disc, which is 0.06 high from 0.09 on."""
+    text = to_pov(Chess(piece=piece))
+    (foot,) = re.findall(r"object { Foot\((.*)\) }", text)
+    radius, start = map(float, re.search(r"object { Turned\(<(.*?), (.*?)>", text).groups())
+    beyond = max(0, radius - (0.86 * float(foot) - 0.03))
+    assert start < 0.12 + np.sqrt(0.03**2 - beyond**2)
+
+
 @pytest.mark.parametrize("piece", some(["king", "rook"], 1))
 def test_no_dark_dots_on_a_turned_part(piece):
     """Just above the foot, no pixel is darker than all around it: POV-Ray's own lathe had 13 such pixels here."""

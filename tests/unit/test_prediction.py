@@ -125,6 +125,7 @@ def test_no_warning_without_cause():
     ("scene", "rendering", "words"),
     [
         (Chess(z2=2), None, ["z2 = 2", "13 % of the window", "stray light", "25 %"]),
+        (Chess(sheet="lenticular", glass="N-SF11", z2=2), None, ["glass = N-SF11", "designed path"]),
         (Chess(z2=20, eye=(0, 7.97)), None, ["z2 = 20", "an eye at 0,7.97", "designed path"]),
         (Chess(alpha=-7.9), None, ["alpha = -7.9", "within 8 degrees", "dark bands"]),
         (Chess(alpha=-20, error={"turn": 10}), None, ["alpha + 2 turn = 0: within 8 degrees", "dark bands"]),

@@ -105,6 +105,16 @@ def test_switches_draw_on_the_picture(page):
         expect(page.locator(f"#overlay {selector}")).to_have_count(0)
         page.locator(f"#show-{name}").check()
         expect(page.locator(f"#overlay {selector}")).to_have_count(1)
+    page.locator("#show-position").check()
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.evaluate("draw()")
+    stage = page.locator("#stage").bounding_box()
+    entries = [entry.bounding_box() for entry in page.locator("#overlay .entry").all()]
+    assert len(entries) == 6 and entries[0]["x"] > stage["x"]
+    assert entries[5]["x"] + entries[5]["width"] < stage["x"] + stage["width"]
+    # the key is above the window's frame, whose outer half is 1.65 tiles, and whose front is 0.15 tiles nearer
+    above = stage["height"] / 2 - 1.65 * 6 / 5.85 * page.evaluate("tilePixels()")
+    assert max(entry["y"] + entry["height"] for entry in entries) < stage["y"] + above
 
 
 def test_the_predicted_position_is_marked(page):
