@@ -42,7 +42,7 @@ def test_the_docs_state_the_shares_of_the_default_scene(monkeypatch):
     rows = re.findall(
         rf"^\| {number} \| {number}° \| {number} \| {number} % \| {number} % \| {number} % \|$", page, re.M
     )
-    assert len(rows) == 7
+    assert len(rows) == 3
     for row in rows:
         index, base_angle, aspect, *stated = map(float, row)
         scene = Chess(index=index, base_angle=base_angle, aspect=aspect)
