@@ -24,6 +24,7 @@ from povgen.sheets.sheet import Ideal
 
 PAGE = Path(__file__).with_name("reference.md")
 AGAIN = "; can be repeated"  # at the end of an option's help
+NAMES = ", ".join(SHEETS)
 LONG = 200  # characters of a law; the file of the sheet has a longer one
 HEAD = """# Reference
 
@@ -71,9 +72,9 @@ The public names of `povgen`. `help(povgen.Chess)` has the parameters. [The site
 
 
 def table(heads: str, rows: Iterable[Iterable[str]]) -> str:
-    """Return a table in Markdown; a bar within a cell is escaped."""
+    """Return a table in Markdown. A bar within a cell is escaped, and a list of all kinds of sheets is a link."""
     lines = [heads.split(" | "), ["---"] * (heads.count(" | ") + 1)]
-    lines += [[cell.replace("|", "\\|") for cell in row] for row in rows]
+    lines += [[cell.replace("|", "\\|").replace(NAMES, "[a kind](#sheets)") for cell in row] for row in rows]
     return "".join(f"|{'|'.join(line)}|\n" for line in lines)
 
 
