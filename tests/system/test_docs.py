@@ -21,7 +21,7 @@ import reference  # docs/reference.py
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
-from povgen import Bundle, Chess, MovieSpec, Room, mtf, results
+from povgen import Bundle, Chess, Eye, MovieSpec, Room, Window, mtf, results
 from povgen.cli.app import COMMANDS
 from povgen.cli.report import SYMPTOMS
 from povgen.measure.measured import px
@@ -272,6 +272,13 @@ def _parallax():
     return (math.degrees((left - right).imag / 6),)
 
 
+def _shares(scene):
+    return [100 * column[0] for column in results(scene, "designed", "stray").values()]
+
+
+TWO = Room([Window(alpha=180, width=1), Window(name="right", alpha=180, x=2, width=1)], eye=Eye(z=-6))
+
+
 def _polarised():
     """Return the parts of unpolarised light along z that pass parallel and crossed polarisers, on the designed path."""
     rays = Chess(alpha=66, prisms=60).trace(Bundle([(k / 99, k / 77, 1) for k in range(50)], (0, 0, -1)), path=True)
@@ -295,10 +302,9 @@ STATED = {
     ),
     "accuracy": ("In the default chess scene it is {} px, and above 3 px for |α| < {}°", _possible_error),
     "light": ("on the designed path passes with {} and {} of its power", _polarised),
-    "sheets": (
-        "at z2 = 60, {} % are designed and {} % stray",
-        lambda: [100 * column[0] for column in results(Chess(z2=60), "designed", "stray").values()],
-    ),
+    "sheets": ("at z2 = 60, {} % are designed and {} % stray", lambda: _shares(Chess(z2=60))),
+    "examples": ("where the default prisms have {} % and {} %", lambda: _shares(Chess())),
+    "rays": ("# () {}+0.00j, ('right',) {}+0.00j", lambda: [image.position.real for image in TWO.images((1.2, 0, 2))]),
     "tolerances": (
         "# cycles per degree: {}, {}, {}",
         lambda: mtf(Chess(prisms=1000, alpha=90, z1=10, z2=10, pupil=0.04), [2, 5, 10]),
