@@ -236,7 +236,7 @@ def test_adding_adds(tmp_path, environment):
         )
         assert done.returncode == 0, done.stdout + done.stderr
     listed = subprocess.run(["povgen", "list"], env=environment, capture_output=True, text=True).stdout
-    assert "obelisk" in listed and "ellipsoid" in listed and "near-and-far" in listed
+    assert "spire" in listed and "ellipsoid" in listed and "near-and-far" in listed
     subprocess.run(["povgen", "demo", "-o", tmp_path / "page.html"], env=environment, check=True)
     assert '<option value="cylinder" data-say="kinds.cylinder.choice"></option>' in (tmp_path / "page.html").read_text()
 
