@@ -42,10 +42,9 @@ repeated.
 KINDS = """
 ## Sheets
 
-[Beyond the paper](beyond.md#other-ideal-sheets) explains the laws. A law is the direction (x, y, z) behind the sheet
-of a ray that runs away from the eye. Before the sheet the ray has the direction (x, y, z), of length 1. It meets the
-sheet at (X, Y), in tiles from the window's centre. Angles are in radians. Light passes only where z of the new
-direction, divided by the direction's length, is above 1e-6.
+A [law](beyond.md#other-ideal-sheets) is the new direction of a ray that runs away from the eye with the direction
+(x, y, z), of length 1, and meets the sheet at (X, Y), in tiles from the window's centre. Angles are in radians. Light
+passes only where z of the new direction, divided by its length, is above 1e-6.
 """
 OF_OBJECTS = """
 ## Objects

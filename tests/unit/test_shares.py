@@ -37,6 +37,7 @@ def found(n=110, partial=None, most=60, **shape):
 
 def test_the_docs_state_the_shares_of_the_default_scene(monkeypatch):
     monkeypatch.setattr(quantities, "RAYS", 20_000)
+    quantities._shares.cache_clear()
     page = (DOCS / "beyond.md").read_text()
     number = r"([\d.]+)"
     rows = re.findall(
