@@ -127,7 +127,7 @@ ray-pictures: $(VENV)/charts-ready $(VENV)/gl-ready gl-deps  ## the pictures of 
 docs/rooms/room.png: docs/rooms.md $(SOURCES) | $(READY)  ## the picture of the room on that page
 	sed -n "/^cat > room.toml/,/^END/{//!p}" $< | $(POVGEN) frame - --size 640x480 -o $@
 
-docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml) | $(READY)  ## the page of pictures, and the README's row of pictures
+docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies, and the README's row of pictures
 	$(VENV)/bin/python $<
 
 docs/reference.md: $(SOURCES) docs/reference.py | $(READY)  ## tables of options, sheets, objects, quantities and names, from the code

@@ -1,4 +1,4 @@
-"""Write docs/gallery.md, and the README's row of pictures, from docs/gallery/*.toml: `python docs/gallery.py`."""
+"""Write docs/gallery.md and the README's row of pictures, from docs/gallery/ and movies/: `python docs/gallery.py`."""
 
 import re
 import tomllib
@@ -11,9 +11,9 @@ WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
 Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all pictures but the last ones,
-`make docs/gallery/pieces.png` one. `make docs/gallery.md` writes this page from the files in `docs/gallery/`.
+`make docs/gallery/pieces.png` one. `make docs/gallery.md` writes this page from `docs/gallery/` and `movies/`.
 """
-# the last section: what `make figures` renders
+# the last sections: what `make figures` renders, and the movies
 TAIL = """
 ## Frames of the paper's figures
 
@@ -22,7 +22,11 @@ TAIL = """
 ![Figure 6: spheres at six angles α](figures/figure6.png)
 
 `make figures` renders them. [Their captions](figures/README.md) give the measured rotations and magnifications.
-`povgen list` names the movies.
+
+## Movies
+
+| command | what the movie shows |
+|---|---|
 """
 ROW = re.compile(r"(?<=\| \| \| \|\n\|---\|---\|---\|\n).*\n.*\n")  # of the README's pictures
 
@@ -35,6 +39,13 @@ def pictures() -> dict[str, dict[str, str]]:
     return dict(sorted(files.items(), key=lambda item: item[1]["order"]))
 
 
+def movies() -> str:
+    """Return the rows of the table of movies, with their titles."""
+    files = sorted((PROJECT / "movies").glob("*.toml"))
+    titles = {file.stem: tomllib.loads(file.read_text("utf-8"))["title"] for file in files}
+    return "".join(f"| `povgen movie {name}` | {title} |\n" for name, title in titles.items())
+
+
 def page() -> str:
     """Return the text of the page."""
     text, section = HEAD, ""
@@ -43,7 +54,7 @@ def page() -> str:
         shows = "\n".join(wrap(each["shows"].strip(), WIDTH, break_long_words=False, break_on_hyphens=False))
         text += f"\n![{each['alt']}](gallery/{each['file']})\n\n{shows}\n"
         section = each["section"]
-    return text + TAIL
+    return text + TAIL + movies()
 
 
 def readme() -> str:

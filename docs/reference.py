@@ -1,5 +1,6 @@
 """Write docs/reference.md, tables that are made from the code: `python docs/reference.py`."""
 
+import re
 from collections.abc import Iterable, Iterator
 from importlib import import_module
 from inspect import getdoc, isclass
@@ -22,26 +23,28 @@ from povgen.sheets.own import OwnLaw
 from povgen.sheets.sheet import Ideal
 
 PAGE = Path(__file__).with_name("reference.md")
+AGAIN = "; can be repeated"  # at the end of an option's help
+NAMES = ", ".join(SHEETS)
 LONG = 200  # characters of a law; the file of the sheet has a longer one
 HEAD = """# Reference
 
 `make docs/reference.md` writes this page from the code: [options](#options), [sheets](#sheets), [objects](#objects),
 [quantities](#quantities), [movie files](#movie-files), [Python](#python). [Terms and signs](terms.md) defines the
-symbols.
+symbols. *The paper* is Hamilton, Sundar, Nelson and Courtial, Local light-ray rotation (2009).
 """
 OPTIONS = """
 ## Options
 
 `povgen COMMAND --help` lists those of a command. In Python and in TOML files a parameter has the option's name, with
-`_` in place of `-`. In parentheses: the defaults. `--no-NAME` is the opposite of a switch.
+`_` in place of `-`. In parentheses: the defaults. `--no-NAME` is the opposite of a switch. An option with … can be
+repeated.
 """
 KINDS = """
 ## Sheets
 
-[Beyond the paper](beyond.md#other-ideal-sheets) explains the laws. A law is the direction (x, y, z) behind the sheet
-of a ray that runs away from the eye. Before the sheet the ray has the direction (x, y, z), of length 1. It meets the
-sheet at (X, Y), in tiles from the window's centre. Angles are in radians. Light passes only where z of the new
-direction, divided by the direction's length, is above 1e-6.
+A [law](beyond.md#other-ideal-sheets) is the new direction of a ray that runs away from the eye with the direction
+(x, y, z), of length 1, and meets the sheet at (X, Y), in tiles from the window's centre. Angles are in radians. Light
+passes only where z of the new direction, divided by its length, is above 1e-6.
 """
 OF_OBJECTS = """
 ## Objects
@@ -68,10 +71,15 @@ The public names of `povgen`. `help(povgen.Chess)` has the parameters. [The site
 
 
 def table(heads: str, rows: Iterable[Iterable[str]]) -> str:
-    """Return a table in Markdown; a bar within a cell is escaped."""
+    """Return a table in Markdown. A bar within a cell is escaped, and a list of all kinds of sheets is a link."""
     lines = [heads.split(" | "), ["---"] * (heads.count(" | ") + 1)]
-    lines += [[cell.replace("|", "\\|") for cell in row] for row in rows]
+    lines += [[cell.replace("|", "\\|").replace(NAMES, "[a kind](#sheets)") for cell in row] for row in rows]
     return "".join(f"|{'|'.join(line)}|\n" for line in lines)
+
+
+def mark(flag: str, about: str) -> str:
+    """Return an option's name, with an ellipsis if it can be repeated."""
+    return f"`{flag}`" + " …" * about.endswith(AGAIN)
 
 
 def options() -> str:
@@ -87,9 +95,12 @@ def options() -> str:
                 others.setdefault((option.opts[-1], option.help or ""), []).append(name)
     text = OPTIONS
     for group, rows in groups.items():
-        described = ([f"`{flag}`", about] for flag, about in rows.items())
+        described = ([mark(flag, about), about.removesuffix(AGAIN)] for flag, about in rows.items())
         text += f"\n### {group}\n\n" + table("option | what it is", described)
-    rest = ([f"`{flag}`", ", ".join(names), about] for (flag, about), names in sorted(others.items()))
+    rest = (
+        [mark(flag, about), ", ".join(names), about.removesuffix(AGAIN)]
+        for (flag, about), names in sorted(others.items())
+    )
     return f"{text}\n### Of commands\n\n" + table("option | of | what it does", rest)
 
 
@@ -100,11 +111,14 @@ def sheets() -> str:
         if kind is OwnLaw or not issubclass(kind, Ideal):
             return "the user's" * (kind is OwnLaw)
         file = kind.__module__.replace(".", "/") + ".py"
-        law = str(kind.law).replace(" * ", "*").replace(" / ", "/")
+        law = re.sub(r" ([-+*/]) ", r"\1", str(kind.law))
         return f"`{law}`" if len(law) < LONG else f"[{Path(file).name}](../{file})"
 
+    def source(kind: type) -> str:
+        return "the paper" if kind.source == SHEETS["ideal"].source else kind.source
+
     rows = (
-        [f"`{kind.name}`", kind.does, ", ".join(f"`{each.name}`" for each in kind.parameters), law(kind), kind.source]
+        [f"`{kind.name}`", kind.does, ", ".join(f"`{each.name}`" for each in kind.parameters), law(kind), source(kind)]
         for kind in SHEETS.values()
     )
     return f"{KINDS}\n" + table("`--sheet` | it | parameters | law | source", rows)
@@ -150,7 +164,7 @@ def python() -> str:
 
     def about(value: object) -> str:
         first = " ".join((getdoc(value) or "").partition("\n\n")[0].split())
-        return first if isclass(value) else first.partition(". ")[0].removesuffix(".")
+        return first if isclass(value) else first.partition(". ")[0].removesuffix(".").removeprefix("Return ")
 
     rows = ([f"`{name}`", about(getattr(povgen, name))] for name in povgen.__all__ if not name.startswith("_"))
     return f"{PYTHON}\n" + table("name | it is", rows)

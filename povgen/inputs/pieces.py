@@ -2,10 +2,12 @@
 
 import os
 import re
+import tomllib
 from collections.abc import Collection, Sequence
 from dataclasses import field
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
@@ -14,9 +16,7 @@ from povgen.files import read_bytes, read_text
 from povgen.inputs import mesh
 from povgen.record import held
 
-# Radius of each piece's foot, tiles. The foot must not touch the window frame.
-PIECES = {"pawn": 0.36, "rook": 0.40, "knight": 0.40, "bishop": 0.40, "queen": 0.43, "king": 0.43}
-HEIGHTS = {"pawn": 1.1, "rook": 1.26, "knight": 1.52, "bishop": 1.58, "queen": 1.78, "king": 1.96}  # tiles
+PIECES: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 FILE_RADIUS = 0.5  # tiles; a piece from a file must stay within this distance of its axis
 MAX_BYTES = 2**20  # of a file
 
@@ -92,7 +92,7 @@ def from_folder(value: object, folder: str | Path, names: Collection[str] = PIEC
 
 def radius(piece: str | PieceFile) -> float:
     """Return the radius of a piece's foot, tiles."""
-    return FILE_RADIUS if isinstance(piece, PieceFile) else PIECES[piece]
+    return FILE_RADIUS if isinstance(piece, PieceFile) else PIECES[piece]["radius"]
 
 
 def checked(text: str) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from povgen.inputs.pieces import PIECES
 from povgen.sheets.sheet import Sheet
 
 FOLDER = Path(__file__).with_name("languages")
@@ -13,10 +14,11 @@ FOLDER = Path(__file__).with_name("languages")
 def tables(kinds: Mapping[str, type[Sheet]]) -> dict[str, dict[str, Any]]:
     """Return the tables by the names of the languages, English first, with texts for all these kinds of sheets.
 
-    A kind that a table does not know has the texts of its class, which are English.
+    A kind that a table does not know has the texts of its class, which are English. Pieces have their own file.
     """
     found = {path.stem: tomllib.loads(path.read_text("utf-8")) for path in sorted(FOLDER.glob("*.toml"))}
-    for table in found.values():
+    for language, table in found.items():
+        table["things"] |= {piece: names[language] for piece, names in PIECES.items() if language in names}
         other = table["kinds"].pop("other")
         for name, kind in kinds.items():
             own = {part: text.format(title=kind.title, does=kind.does) for part, text in other.items()}

@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from povgen.inputs.fields import Colour, PieceValue
-from povgen.inputs.pieces import HEIGHTS, PIECES, PieceFile, radius
+from povgen.inputs.pieces import PIECES, PieceFile, radius
 from povgen.objects.placed import Extent
 from povgen.objects.scene_object import SceneObject
 from povgen.optics.pose import Floats
@@ -85,7 +85,7 @@ Finish finish_piece(vec3 p, vec4 n, vec3 colour) { return Wood(colour, p); }
     def box(self) -> Extent:
         """The room that it takes. Of a piece from a file only the foot is known."""
         r = radius(self.shape)
-        top = 0.05 if isinstance(self.shape, PieceFile) else HEIGHTS[self.shape]
+        top = 0.05 if isinstance(self.shape, PieceFile) else PIECES[self.shape]["height"]
         return (-r, 0, -r), (r, top, r)
 
     @property

@@ -115,6 +115,10 @@ def curl(z1: ArrayLike, z2: ArrayLike, alpha: ArrayLike, theta: ArrayLike = 0, b
     follows the right-hand rule, although the axes x, y, z are left-handed.
     For one window that is (1 + cos^2 theta) z1 sin(alpha)/|Z|^2. Where the curl is not 0, no surface is perpendicular
     to the light: it has no wave fronts (docs/beyond.md). NaN if Z = 0.
+
+    Derivation, for L = 0: let 1/Z = u + iv. V = (ux - vy, vx + uy, 1) points along the light, with |V| = 1/cos(theta).
+    d(1/Z)/dz2 = -1/Z^2 gives V . curl V = v (2 + tan^2 theta), and v = -Im Z/|Z|^2. The unit vector V/|V| is constant
+    along the light, so its curl is parallel to it.
     """
     Z = depth(z1, real("z2", z2, 0), alpha, behind)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

@@ -66,7 +66,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
         default="none",
         description="a polariser behind the last window: degrees counter-clockwise from x, as the eye sees it, or none",
     )
-    analyser: Angle = Field(default="none", description="a polariser before the first window, in the same way")
+    analyser: Angle = Field(default="none", description="a polariser in front of the first window, likewise")
     if TYPE_CHECKING:  # the names of changes are those of the parameters
 
         @property

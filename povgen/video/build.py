@@ -82,7 +82,7 @@ def movie(
     progress: bool = True,
     **options: Unpack[Options],
 ) -> Movie:
-    """Render a movie to .mp4, .webm, .webp or .gif. Jupyter plays the result. The file is written atomically.
+    """Render a movie to a file such as a.mp4 or a.gif. Jupyter plays the result. The file is written atomically.
 
     If `caption` is not given, a short caption below the picture says what moves, and the spec's overlay, side view and
     note are drawn. An option `overlay`, `side_view` or `note` replaces the spec's value. If `caption` is given, the

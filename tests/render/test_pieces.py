@@ -33,8 +33,9 @@ def test_a_piece_is_as_large_as_stated(piece):
     (position,) = decoded([scene], (480, 360))  # pixels are 0.014 tiles apart
     x, y, z = np.moveaxis(position[np.isfinite(position).all(-1)], -1, 0)
     (height,) = re.findall(r"// The piece is (.*) tiles high", to_pov(scene))
-    assert abs(y.min()) < 0.02 and abs(y.max() - float(height)) < 0.02
-    assert abs(np.hypot(x, z).max() - PIECES[piece]) < 0.002
+    assert float(height) == PIECES[piece]["height"]
+    assert abs(y.min()) < 0.02 and abs(y.max() - PIECES[piece]["height"]) < 0.02
+    assert abs(np.hypot(x, z).max() - PIECES[piece]["radius"]) < 0.002
 
 
 @pytest.mark.parametrize("piece", PIECES)

@@ -19,6 +19,7 @@ from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, MovieSpec, spec_file
 from povgen.settings import Rendering, of_movie
 from povgen.video.build import Film, FilmOptions, Plan, check_views, film, movie_rendering, planned, sequence
+from povgen.video.encode import FORMATS
 
 
 @click.command("movie", cls=Command)
@@ -44,7 +45,7 @@ from povgen.video.build import Film, FilmOptions, Plan, check_views, film, movie
 @click.option("--loop/--no-loop", default=None, help="whether the movie goes there and back")
 @options.output(
     "FILE",
-    ".mp4, .webm, .webp, .gif; or frames/%04d.png or frames/%04d.exr for a file of each frame (default: NAME.mp4)",
+    f"{', '.join(FORMATS)}; or frames/%04d.png or frames/%04d.exr for a file of each frame (default: NAME.mp4)",
 )
 @options.workers
 @options.scheduler
