@@ -11,7 +11,7 @@ WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
 Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all pictures but the last ones,
-`make docs/gallery/pieces.png` one. `make docs/gallery.md` writes this page from `docs/gallery/` and `movies/`.
+`make docs/gallery/pieces.png` one.
 """
 # the last sections: what `make figures` renders, and the movies
 TAIL = """

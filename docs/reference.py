@@ -164,7 +164,9 @@ def python() -> str:
 
     def about(value: object) -> str:
         first = " ".join((getdoc(value) or "").partition("\n\n")[0].split())
-        return first if isclass(value) else first.partition(". ")[0].removesuffix(".").removeprefix("Return ")
+        if isclass(value) and issubclass(value, Placed):
+            return first  # it says which point of the object its place is
+        return first.partition(". ")[0].removesuffix(".").removeprefix("Return ")
 
     rows = ([f"`{name}`", about(getattr(povgen, name))] for name in povgen.__all__ if not name.startswith("_"))
     return f"{PYTHON}\n" + table("name | it is", rows)
