@@ -71,7 +71,7 @@ test-fast: $(VENV)/test-ready test-deps gl-deps  ## tests of the mathematics and
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 3 --dist loadgroup
 
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except those of test-release
-	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
+	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
 
 test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## the variants that take long; tests with every Python here, with the oldest packages, and in Firefox
 	$(VENV)/bin/python -m pytest -m release --numprocesses 6 --dist loadgroup
