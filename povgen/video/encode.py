@@ -41,9 +41,10 @@ FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
 LONGEST_GIF = 655.35
 MOST_GIF = 2 * 10**9  # pixels; Pillow holds one byte for each in memory
 # The codec, the format of pixels that it is given, and its options. A keyframe every 6 frames lets players seek to any
-# frame at once. libwebp itself makes YUV of the colours of a WebP file.
+# frame at once. H.264 has one quantiser for all frames: with others, fine stripes that stand still change at keyframes.
+# libwebp itself makes YUV of the colours of a WebP file.
 FORMATS = {
-    ".mp4": ("libx264", "yuv420p", f"-crf 18 -g 6 -bf 0 {BT709} -movflags +faststart"),
+    ".mp4": ("libx264", "yuv420p", f"-qp 21 -g 6 -bf 0 {BT709} -movflags +faststart"),
     ".webm": ("libvpx-vp9", "yuv420p", f"-crf 24 -b:v 0 -g 6 -row-mt 1 -deadline good -cpu-used 2 {BT709}"),
     ".webp": ("libwebp_anim", "bgra", f"{EVEN} -compression_level 6 -loop 0"),
     ".gif": ("gif", "", ""),

@@ -17,7 +17,7 @@ SHARE = 0.6  # of the whole width: the picture's
 LINES = 12  # of a text, at most
 LETTERS = 0.8  # of the side view, as a multiple of those below a picture of the same height
 LARGEST = 1.3  # of the texts, likewise
-FILLED = 0.85  # of the panel's height, at most
+FILLED = 0.85  # of the panel's height, at most, by texts that are larger than those below a picture
 
 Bytes = NDArray[np.uint8]
 Sketch = Callable[[int, int], Bytes]  # draws the side view for a width and for the height of a picture
@@ -80,7 +80,7 @@ def beside(
         )
         drawn = [sketch(width - part, round(LETTERS * height))] if sketch else []
         groups = [*above, *drawn, *legend]
-        if sum(map(len, groups)) <= FILLED * height:
+        if sum(map(len, groups)) <= height * (FILLED if size > 1 else 1):
             return np.concatenate((left, _column(groups, width - part, height)), axis=1)
         size *= 0.95
 

@@ -57,6 +57,15 @@ def test_colours_come_back(suffix, plugin, tmp_path):
         assert abs(decoded[32, 32 * n + 16].astype(int) - colour).max() < 8
 
 
+def test_what_stands_still_does_so_in_an_mp4_file(tmp_path, rng):
+    """A keyframe of another quality every 6 frames would change fine structure, most of all before something moves."""
+    noise = rng.integers(60, 200, (96, 128, 3), np.uint8)
+    encode.encode([noise] * 20 + [np.roll(noise, n, 0) for n in range(9)], tmp_path / "movie.mp4", 10)
+    frames = iio.imread(tmp_path / "movie.mp4", plugin="FFMPEG").astype(float)
+    changes = abs(np.diff(frames, axis=0)).mean((1, 2, 3))
+    assert changes[:19].max() < 0.5 < changes[20:].min()  # of 255
+
+
 @pytest.mark.parametrize("made", ["mp4"], indirect=True)
 def test_the_middle_frame_is_the_cover_of_an_mp4_file(made, tmp_path):
     """Players and folders show it: at the first frame's angle of 0 the sheets do nothing."""

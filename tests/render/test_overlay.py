@@ -437,6 +437,10 @@ def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
     items = [overlay.Item("α = 66°", "α = 166°"), overlay.Item(note, note)]
     found, size = rows_of(monkeypatch, items, 320)
     assert size == 12 and found[0] == ["α = 66°"] and " ".join(text for (text,) in found[1:]) == note
+    said = "rays turned by α = 120° in each window"
+    for width in range(110, 260, 10):
+        found, _ = rows_of(monkeypatch, [overlay.Item(said, said)], width)
+        assert "α = 120°" in " / ".join(text for line in found for text in line), width
     found, _ = rows_of(monkeypatch, [overlay.Item(note, note)] * 6, 160)  # the text is made smaller
     assert len(found) <= overlay.LINES and {text for line in found for text in line} == {note}
 
