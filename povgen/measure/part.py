@@ -1,9 +1,9 @@
 """Sheets of glass as closed solids in a file, to print them, to cut them, or to trace them with another program."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import ceil
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from povgen import remedies
 from povgen.errors import InputError, input_errors
 from povgen.files import checked_output
 from povgen.objects.window import RIM
-from povgen.optics.faces import GlassSheet, single_prisms
+from povgen.optics.faces import GlassSheet, sections
 from povgen.optics.outline import Outline
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
@@ -99,7 +99,10 @@ def _solid(sheet: GlassSheet, outline: Outline, wider: float) -> Manifold:
     """Return a sheet in the window's coordinates, cut off at the outline, whose sides are longer by `wider`."""
     shape, side = sheet.shape, max(outline.width, outline.height)
     half = side + wider + shape.length  # more than half of the diagonal, also if the sheet is tilted
-    contours = _prisms(sheet, side) if isinstance(shape, Prism) else _edges(shape, round(side / shape.pitch), half)
+    if isinstance(shape, Prism):
+        contours: Iterable[Floats] = sections(sheet, side) / shape.pitch
+    else:
+        contours = _edges(shape, round(side / shape.pitch), half)
     box = CrossSection.square((2 * half / shape.pitch, 2 * shape.length / shape.pitch), True)
     solid = (CrossSection([*contours], FillRule.EvenOdd) ^ box).extrude(2 * half).translate((0, 0, -half))
     c, s = np.cos(sheet.angle), np.sin(sheet.angle)
@@ -108,17 +111,6 @@ def _solid(sheet: GlassSheet, outline: Outline, wider: float) -> Manifold:
     middle = (0, 0, sheet.centre)
     cut = _cut(outline, wider, 4 * sheet.reach(side + wider)).translate(middle)
     return solid.transform(np.column_stack((sheet.axes.T @ columns, middle))) ^ cut
-
-
-def _prisms(sheet: GlassSheet, side: float) -> Floats:
-    """Return the corners (prisms, 4, 2) of each prism of a sheet: u from the middle, and z, in periods."""
-    shape: Any = sheet.shape
-    _, bottoms, angles = single_prisms(sheet, side)
-    height = np.diff(bottoms) - shape.gap * shape.pitch
-    low, z = bottoms[:-1], np.full(len(height), shape.length / 2)
-    near, far = height / np.tan(angles.T)
-    corners = (low, z), (low, -z), (low + height, near - z), (low + height, z - far)
-    return np.asarray(np.moveaxis(np.array(corners), 2, 0) / shape.pitch)
 
 
 def _edges(shape: Profile, periods: int, half: float) -> Iterator[Floats]:

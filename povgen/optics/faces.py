@@ -395,3 +395,18 @@ def single_prisms(sheet: GlassSheet, window: float) -> tuple[int, Floats, Floats
     bottoms = np.concatenate(([0], np.cumsum(pitches)))
     planned = (shape.gap / 2 + count // 2) * shape.pitch - window / 2
     return -beyond, bottoms - bottoms[beyond + count // 2] + planned, angles
+
+
+def sections(sheet: GlassSheet, window: float) -> Floats:
+    """Return the corners of each of the `single_prisms`, across its ridges: (prisms, 4, 2).
+
+    They are u, the height in the sheet before it is turned, and z from the sheet's middle.
+    """
+    shape = sheet.shape
+    assert isinstance(shape, Prism)
+    _, bottoms, angles = single_prisms(sheet, window)
+    height = np.diff(bottoms) - shape.gap * shape.pitch
+    low, z = bottoms[:-1], np.full(len(height), shape.length / 2)
+    near, far = height / np.tan(angles.T)
+    corners = (low, z), (low, -z), (low + height, near - z), (low + height, z - far)
+    return np.asarray(np.moveaxis(np.array(corners), 2, 0))

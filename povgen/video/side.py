@@ -239,13 +239,7 @@ def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
     eye = np.array(scene.camera.eye)
     places = [opening.pose.place for opening in scene.openings] or [np.array(scene.camera.middle)]
     most = FARTHEST * max(float(np.linalg.norm(place - eye)) for place in places)
-    names = [(name.removeprefix("window") or name) if n else name for n, name in enumerate(scene.named_openings)]
-    names = ["window 1" if name == "window1" else name for name in names]
-    windows = [Thing(name, opening.edge, SHEET) for name, opening in zip(names, scene.openings, strict=True)]
-    if names == ["window 1"]:
-        sheet = scene.sheets[0]
-        word = "window" if is_empty(scene) else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"
-        windows = [windows[0]._replace(name=word)]
+    windows = [Thing(name, edge, SHEET) for name, edge in named_windows(scene)]
     solid = [each for each in scene.contents if np.ptp(each.box)]
     objects = [_object(each) for each in solid if np.linalg.norm(each.pose.place - eye) <= most]
     farther = sum(each.point is not None for each in solid) - sum(each.source is not None for each in objects)
@@ -255,6 +249,16 @@ def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
         high = HIGHEST * max(abs(thing.around[:, :2]).max() for thing in windows + objects)
         images, note = _images(scene, [thing for thing in objects if thing.is_mark], most, high)
     return windows + images + objects, farther, note
+
+
+def named_windows(scene: Scene) -> list[tuple[str, Floats]]:
+    """Return the name that a drawing gives each window, and points of its outline, (n, 3)."""
+    names = [(name.removeprefix("window") or name) if n else name for n, name in enumerate(scene.named_openings)]
+    names = ["window 1" if name == "window1" else name for name in names]
+    if names == ["window 1"]:
+        sheet = scene.sheets[0]
+        names = ["window" if is_empty(scene) else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"]
+    return [(name, opening.edge) for name, opening in zip(names, scene.openings, strict=True)]
 
 
 def _images(scene: AxialScene, objects: Sequence[Thing], most: float, high: float) -> tuple[list[Thing], str]:

@@ -122,7 +122,21 @@ def test_a_slanted_view_is_to_scale(monkeypatch, tmp_path):
     for drawn, opening in zip(lines[plotting.PRISMS], TWO.openings, strict=True):
         for flat, edge in zip(np.diff(drawn, axis=0), np.diff(opening.edge, axis=0), strict=True):
             assert np.linalg.norm(flat) == pytest.approx(np.linalg.norm(np.cross(edge, to_reader)))
-    assert {text.get_text() for text in axes.texts} == {"", "x", "y", "z", "arrows: 1 tile"} and not axes.axison
+    named = {"", "x", "y", "z", "arrows: 1 tile", "eye", "window 1", "b"}
+    assert {text.get_text() for text in axes.texts} == named and not axes.axison
+
+
+def test_a_drawing_names_what_it_shows_and_has_the_sections_of_few_prisms(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    scene = Chess(sheet="single", prisms=3, z1=4)
+    axes, lines = drawing(monkeypatch, scene, azimuth=-90, elevation=0)
+    assert [text.get_text() for text in axes.texts] == ["eye", "sheet", "knight"]
+    sections = [line for line in lines[plotting.PRISMS][1:] if len(line)]
+    assert len(sections) == 3
+    for low, section in zip((-1.5, -0.5, 0.5), sections, strict=True):
+        assert np.ptp(section[:, 0]) == pytest.approx(scene.prism.length)
+        assert section[:, 1].min() == pytest.approx(low + 0.005) and np.ptp(section[:, 1]) == pytest.approx(0.99)
+    assert len(drawing(monkeypatch, Chess(sheet="single", prisms=13, z1=4))[1][plotting.PRISMS]) == 1
 
 
 def behind_prisms(theta, count=6000):
