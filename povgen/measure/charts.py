@@ -50,8 +50,9 @@ def _scatter(ax: Axes, rows: Sequence[Row], sheet: str) -> None:
         f"gl {sheet}": ("gl (without GPU)", "D", own, (-8, -12)),
         f"live {sheet}": ("live view (browser)", "^", GREY, (0, 0)),
     }
+    others = zip("xsv*", (*COLOURS[2:5], COLOURS[6]), strict=True)
     for method in dict.fromkeys(row[0] for row in rows):
-        label, mark, colour, aside = renderers.get(method, (method, "x", COLOURS[-1], (0, 0)))
+        label, mark, colour, aside = renderers.get(method) or (method, *next(others), (0, 0))
         found = [(row[1], float(row[4]), float(row[5])) for row in rows if row[0] == method]
         best = [each for each in sorted(found, key=lambda each: each[1])]
         best = [each for n, each in enumerate(best) if all(each[2] < before[2] for before in best[:n])]
@@ -124,19 +125,24 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
         for ax, (field, unit) in zip(figure.subplots(1, 2), EFFECTS.items(), strict=True):
             found = getattr(builds, field)
             seen = found[np.isfinite(found)]
-            ax.hist(seen, bins=30, color=PRISMS, edgecolor="white")
+            ax.hist(seen, bins=20, color=PRISMS, edgecolor="white")
             limits = [(f"{share} %: at most", percentile(found, share)) for share in (50, 95)]
             for dashes, (text, limit) in zip(("--", ":"), limits, strict=True):
                 if np.isfinite(limit):
-                    ax.axvline(limit, linestyle=dashes, color="black", label=f"{text} {limit:.2g}")
+                    ax.axvline(limit, linestyle=dashes, color="black", label=f"{text} {limit:.3g} {unit}")
             missing = f"; not seen: {len(found) - len(seen)}" if len(seen) < len(found) else ""
             ax.set(xlabel=f"{field}, {unit}", ylabel=f"builds, of {len(found)}{missing}", title=field.capitalize())
             ax.set_xlim(left=0)
+            ax.xaxis.set_major_formatter("{x:g}")
+            ax.grid(axis="y", alpha=0.25)
+            ax.set_axisbelow(True)
             if ax.lines:
-                ax.legend()
+                ax.legend(loc="lower right", bbox_to_anchor=(1, 1))  # above, where it hides no line
             table += [(f"{field}, {unit}", f"{value:.6g}") for value in found]
-        errors = "; ".join(f"{WHAT[name]}: {_with_unit(name, value)}" for name, value in given.items())
-        figure.supxlabel(f"standard deviations of the errors: {errors}", fontsize=10, color="#444444", wrap=True)
+        errors = [f"{WHAT[name]}: {_with_unit(name, value)}" for name, value in given.items()]
+        lines = ["; ".join(errors[n : n + 3]) for n in range(0, len(errors), 3)]
+        text = "standard deviations of the errors\n" + ";\n".join(lines)
+        figure.supxlabel(text, fontsize=10, color="#444444")
     save_table(path.with_suffix(".csv"), ("quantity", "value"), table)
 
 
