@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from itertools import repeat
@@ -82,7 +83,7 @@ def draw(number: int) -> tuple[Scene, tuple[int, int], float]:
 
 def kept(text: str, what: object, make: Callable[[], Any]) -> Any:
     """Return what `make` returns, which JSON can represent, or what it returned in an earlier run."""
-    key = "\0".join([text, json.dumps(what), AUTO_SOURCE if what == "trial" else ""])
+    key = "\0".join([text, json.dumps(what), AUTO_SOURCE if what == "tried" else ""])
     path = KEPT / f"{sha256(key.encode()).hexdigest()[:32]}.json"
     if not path.is_file():
         write(json.dumps(make()).encode(), path)
@@ -120,11 +121,21 @@ def measured(scene: Scene, size: tuple[int, int], candidate: Ordered) -> tuple[f
     return cpu, flip
 
 
+def spent() -> float:
+    """Return the CPU seconds of this process's children so far, also of the one that goes on to draw with OpenGL."""
+    ended, ticks = getrusage(RUSAGE_CHILDREN), 0
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # the process has ended
+            _, parent, *numbers = stat.read_text().rpartition(")")[2].split()
+            ticks += (int(parent) == os.getpid()) * sum(map(int, numbers[9:11]))
+    return ended.ru_utime + ended.ru_stime + ticks / os.sysconf("SC_CLK_TCK")
+
+
 def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float, renderers: str) -> Any:
     """Return the choice as a dictionary, with the CPU seconds of the trial."""
 
     def make() -> dict[str, Any]:
-        before = getrusage(RUSAGE_CHILDREN)
+        before = spent()
         try:
             chosen, _ = auto.choose(
                 scenes, Rendering(size=size), auto.Tolerance(flip=tolerance), None, RENDERERS[renderers]
@@ -132,10 +143,9 @@ def tried(scenes: list[Scene], size: tuple[int, int], tolerance: float, renderer
             found = asdict(chosen)
         except InputError:
             found = {"renderer": "povray", "sheet": None, "antialias": None, "flip": inf, "margin": 0}
-        after = getrusage(RUSAGE_CHILDREN)
-        return found | {"cpu": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime}
+        return found | {"cpu": spent() - before}
 
-    return kept("".join(map(to_pov, scenes)) + f"{size} {tolerance} {renderers}", "trial", make)
+    return kept("".join(map(to_pov, scenes)) + f"{size} {tolerance} {renderers}", "tried", make)
 
 
 def check(number: int, renderers: str) -> Found:
