@@ -55,7 +55,7 @@ def _of_room(scene: Scene, designed: float) -> Iterator[tuple[str, str]]:
         text = f"window: {100 * lost:.2g} % of the picture is black: these rays meet more than {MOST_CROSSINGS} windows"
         yield "window", f"{text}, or {MAX_FACES} faces of prisms"
     if designed < MIN_DESIGNED_FRACTION:
-        text = f"window: at most {100 * designed:.0f} % of a window shows light on the {_things(scene)}' designed path,"
+        text = f"window: at most {100 * designed:.3g} % of a window shows light on the {_things(scene)}' designed path,"
         yield "window", f"{text} other light is stray light or lost"
 
 
@@ -82,12 +82,11 @@ def _of_axis(scene: AxialScene, designed: float) -> Iterator[tuple[str, str]]:
     if designed < MIN_DESIGNED_FRACTION:
         eye = " and an eye at {:g},{:g}".format(*scene.eye) if scene.E else ""
         shapes = [(name, sheet.values[name]) for name in UNUSUAL for sheet in scene.layered if name in sheet.values]
-        unusual = (
-            f", {name} = {x if isinstance(x, str) else f'{x:g}'}"
-            for name, x in dict.fromkeys(shapes)
-            if x != type(scene).model_fields[name].default
-        )
-        text = f"z2 = {scene.z2:g}{eye}{''.join(unusual)}: {100 * designed:.0f} % of the window shows light on the"
+        unusual = {name: x for name, x in shapes if x != type(scene).model_fields[name].default}
+        if "glass" in unusual:
+            unusual.pop("index", None)  # the glass decides it
+        stated = "".join(f", {name} = {x if isinstance(x, str) else f'{x:g}'}" for name, x in unusual.items())
+        text = f"z2 = {scene.z2:g}{eye}{stated}: {100 * designed:.3g} % of the window shows light on the"
         text += f" {_things(scene)}' designed path,"
         least = f"{100 * MIN_DESIGNED_FRACTION:.0f} %"
         yield "z2", f"{text} other light is stray light or lost; below {least} little of the scene is visible"
