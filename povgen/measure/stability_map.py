@@ -17,6 +17,7 @@ from povgen.measure.plotting import COLOURS, GREY, Axes, drawn, plain_ticks, sav
 
 RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
 RED = "#c1272d"
+SOME = 6  # series that are drawn if there are more than colours
 
 
 @dataclass
@@ -80,12 +81,14 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     ax.grid(alpha=0.25)
     if "x" in measured.log_axes:
         ax.set_xscale("log")
-        plain_ticks(ax.xaxis, (1,))
     if "y" in measured.log_axes:
         ax.set_yscale("log")
         plain_ticks(ax.yaxis, (1,))
     traced = _draw_series(ax, measured)
-    ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
+    least, most = ax.get_xlim()
+    if "x" in measured.log_axes:
+        plain_ticks(ax.xaxis, (1,) if most > 100 * least else (1, 2, 5))
+    ax.set(xlim=(least, most), ylim=ax.get_ylim())
     if measured.is_bound:
         ends = np.array(ax.get_xlim())
         ax.plot(ends, ends, ":", color=GREY, label="error as great as its bound")
@@ -95,23 +98,34 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     for bound, rising in bounds.items() if len(bounds) == 1 else ():
         beyond = ax.get_xlim()[1 if rising else 0]
         ax.axvspan(bound, beyond, color=RED, alpha=0.09, linewidth=0, label=f"beyond povgen's limit, {bound:g}")
+    whats = [f"{measured.title}: {name}" for name in traced]
     for limit in measured.limits if len(bounds) > 1 else ():
-        n = [f"{measured.title}: {name}" for name in traced].index(limit.what)
-        ax.axvline(limit.bound, color=COLOURS[n % len(COLOURS)], linestyle="--", linewidth=0.8)
+        if limit.what not in whats:
+            continue
+        n = whats.index(limit.what)
+        ax.axvline(limit.bound, color=COLOURS[n], linestyle="--", linewidth=0.8)
     if len(bounds) > 1:
         ax.plot([], [], "--", color=GREY, linewidth=0.8, label="povgen's limits")
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1))
 
 
 def _draw_series(ax: Axes, measured: StabilityMap) -> list[str]:
-    """Draw each series, and choose the range of y. Return the names of the series that have a place in the legend."""
+    """Draw series, and choose the range of y. Return the names of those that have a place in the legend.
+
+    Of more series than colours, SOME are drawn, whose limits are spread evenly. The table has all.
+    """
     traced = [name for name in dict.fromkeys(name for name, *_ in measured.rows) if not name.endswith(RENDERED)]
+    if len(traced) > len(COLOURS):
+        bounds = {limit.what.removeprefix(f"{measured.title}: "): limit.bound for limit in measured.limits}
+        spread = np.linspace(0, len(traced) - 1, SOME).round().astype(int)
+        ordered = sorted(traced, key=lambda name: bounds.get(name, 0))
+        ax.set_title(f"{measured.title}: {SOME} of {len(traced)} scenes")
+        traced = [ordered[n] for n in spread]
     for n, name in enumerate(traced):
-        line = ("o-", "s--")[n // len(COLOURS)]  # when the colours begin again
-        for series, look in ((name, "o" if measured.is_bound else line), (name + RENDERED, "x")):
+        for series, look in ((name, "o" if measured.is_bound else "o-"), (name + RENDERED, "x")):
             x, y = np.array([row[1:] for row in measured.rows if row[0] == series]).reshape(-1, 2).T
             label = name if series == name else None
-            ax.plot(x, y, look, color=COLOURS[n % len(COLOURS)], markersize=5, label=label)
+            ax.plot(x, y, look, color=COLOURS[n], markersize=5 if len(x) < 30 else 2.5, label=label)
     if not measured.log_axes.endswith("y"):
         ax.set_ylim(top=min(ax.get_ylim()[1], 8 * measured.tolerance))
         if min(y for *_, y in measured.rows) >= 0 > ax.get_ylim()[0]:

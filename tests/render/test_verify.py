@@ -10,7 +10,8 @@ from conftest import povgen, refused, some
 
 from povgen.measure import compare, probes, rounding, stability, verify, verify_gl
 from povgen.measure.measured import Measured
-from povgen.measure.stability_map import RENDERED, StabilityMap, save_maps
+from povgen.measure.plotting import Figure
+from povgen.measure.stability_map import RENDERED, StabilityMap, draw_map, save_maps
 from povgen.measure.targets import targets
 from povgen.optics import equations
 from povgen.optics.trace import End
@@ -186,6 +187,17 @@ def test_the_command(tmp_path, monkeypatch):
 def test_bad_options_are_refused(options, words, tmp_path):
     message = refused(["verify", *options], tmp_path)
     assert all(word in message for word in words), message
+
+
+def test_of_many_series_those_are_drawn_whose_limits_are_spread_evenly():
+    measured = StabilityMap("name", "title", "x", "y", 1.0, "x")
+    for n in (3, 7, 1, 9, 5, 0, 8, 2, 6, 4):
+        measured.rows += [(f"{n}", 1, 2), (f"{n}", 10, 0.5)]
+        measured.limit("detailed", f"{n}", 20 + n, rising=False)
+    ax = Figure().subplots()
+    draw_map(ax, measured)
+    assert [text.get_text() for text in ax.get_legend().texts][:6] == ["0", "2", "4", "5", "7", "9"]
+    assert ax.get_title(loc="left") + ax.get_title() == "title: 6 of 10 scenes"
 
 
 def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
