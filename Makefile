@@ -130,7 +130,7 @@ docs/rooms/room.png: docs/rooms.md $(SOURCES) | $(READY)  ## the picture of the 
 docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies, and the README's row of pictures
 	$(VENV)/bin/python $<
 
-docs/reference.md: $(SOURCES) docs/reference.py | $(READY)  ## tables of options, sheets, objects, quantities and names, from the code
+docs/reference.md: $(SOURCES) docs/reference.py | $(VENV)/test-ready  ## tables of options, sheets, objects, quantities and names, from the code
 	$(VENV)/bin/python docs/reference.py
 
 povgen/rendering/volumes.xz: templates/pieces/* templates/probes/crossings.pov.j2 | $(READY)  ## the shapes of povgen's own pieces, for the live view

@@ -10,7 +10,6 @@ import numpy as np
 from povgen.files import temporary_folder
 from povgen.measure.fit import fit
 from povgen.measure.measured import Measured
-from povgen.measure.part import part
 from povgen.measure.probes import Size
 from povgen.optics.polarisation import reflection
 from povgen.optics.rays import Bundle
@@ -98,6 +97,8 @@ def intervals(scene: Chess) -> Iterator[Measured]:
 
 def solids(scene: Chess | Room, size: Size = (160, 120)) -> Measured:
     """Compare POV-Ray's picture of the scene with one whose sheets are the solids that `part` writes."""
+    from povgen.measure.part import part  # needs povgen[parts]
+
     own = to_pov(scene, size=size)
     own = own.replace("Edge(Window1_Width,", "Edge(0.999*Window1_Width,") if isinstance(scene, Room) else own + BLACK
     without = re.sub(OWN, "", own, flags=re.M | re.S)

@@ -18,7 +18,7 @@ from povgen.progress import bar
 from povgen.record import recorded_call
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
 from povgen.rendering.table import Table
-from povgen.scene.quantities import ANYWHERE, PREDICTED, QUANTITIES, STACKED, parameters, stacked
+from povgen.scene.quantities import QUANTITIES, STACKED, parameters, stacked
 from povgen.scene.scene import Scene, checked_scene, checked_scenes, classes
 from povgen.scene.scenes import SCENES, AxialScene
 from povgen.validation import as_flag, hashable, is_several
@@ -61,7 +61,8 @@ def results(
         what = f"quantity = {shown(wrong[0])}" if wrong else "no quantity"
         raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
     count, scheduler = worker_count(workers) or cores(), checked_scheduler(scheduler)
-    hidden, at_once = not as_flag("progress", progress), PREDICTED.issuperset(quantities) and scheduler is None
+    hidden = not as_flag("progress", progress)
+    at_once = scheduler is None and all(QUANTITIES[name].stacks for name in quantities)
     lists = _lists(swept)
     if lists:
         scene = _checked(scenes, quantities)
@@ -106,10 +107,11 @@ def _lists(swept: Mapping[str, Iterable[Any]]) -> Lists:
 def _checked(scene: object, quantities: Sequence[str]) -> Scene:
     """Return the scene. Raises InputError if it is none, and for a room's quantities that only others have."""
     found = checked_scene(scene)
-    if wrong := [name for name in quantities if name not in ANYWHERE and not isinstance(found, AxialScene)]:
-        raise InputError(
-            f"quantity = {wrong[0]!r}: not for a room; allowed: {', '.join(ANYWHERE)}, or {classes(AxialScene)}"
-        )
+    if isinstance(found, AxialScene):
+        return found
+    if wrong := [name for name in quantities if not QUANTITIES[name].in_rooms]:
+        allowed = ", ".join(name for name, each in QUANTITIES.items() if each.in_rooms)
+        raise InputError(f"quantity = {wrong[0]!r}: not for a room; allowed: {allowed}, or {classes(AxialScene)}")
     return found
 
 

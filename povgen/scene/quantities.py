@@ -49,9 +49,11 @@ SECOND, LATER = Said("windows {} apart"), Said("window {number} at {}")
 class Quantity(NamedTuple):
     """A number of a scene."""
 
-    of: Callable[[Any], Any]  # of a scene: a number; what is PREDICTED for a scene of `stacked` is an array
+    of: Callable[[Any], Any]  # of a scene: a number; of a scene of `stacked`, an array
     unit: str
     text: str
+    stacks: bool = False  # whether it is found for a scene of `stacked`: by equations alone
+    in_rooms: bool = False
 
 
 @lru_cache(1)  # one trace for all quantities
@@ -240,16 +242,18 @@ def _uncertainty(scene: AxialScene) -> float:
 
 
 QUANTITIES = {
-    "x": Quantity(lambda scene: _position(scene).real, "tiles", "where the eye sees the object, in the plane z = 0"),
-    "y": Quantity(lambda scene: _position(scene).imag, "tiles", "the same, upwards"),
-    "nu": Quantity(
-        lambda scene: scene.nu_and_M(scene.distances[0])[0], "degrees", "the angle by which it appears turned"
+    "x": Quantity(
+        lambda scene: _position(scene).real, "tiles", "where the eye sees the object, in the plane z = 0", True, True
     ),
-    "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification"),
+    "y": Quantity(lambda scene: _position(scene).imag, "tiles", "the same, upwards", True, True),
+    "nu": Quantity(
+        lambda scene: scene.nu_and_M(scene.distances[0])[0], "degrees", "the angle by which it appears turned", True
+    ),
+    "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification", True),
     "uncertainty": Quantity(
         _uncertainty, "tiles", "by how much x and y can be wrong, because of the finite size of the prisms"
     ),
-    "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0"),
+    "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0", True, True),
     "seen_x": Quantity(
         lambda scene: traced_image(scene).position.real, "tiles", "x by the ray trace, on the designed path"
     ),
@@ -269,11 +273,13 @@ QUANTITIES = {
         pupil.best_focus,
         "tiles",
         "distance of the focus for which a pupil blurs the object least",
+        in_rooms=True,
     ),
     "pupil_blur": Quantity(
         lambda scene: pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.inverse_focus(scene)) / ARCMINUTE,
         "arcminutes",
         "RMS blur of a point by the pupil, as predicted; a radius, with the parameter focus",
+        in_rooms=True,
     ),
     "prism_blur": Quantity(
         lambda scene: _rms_arcmin(entering(scene).by_prisms),
@@ -292,8 +298,6 @@ QUANTITIES = {
 }
 
 
-PREDICTED = {"x", "y", "nu", "M", "visible"}  # quantities that equations give
-ANYWHERE = ("x", "y", "visible", "best_focus", "pupil_blur")  # quantities that a room has, too
 SHARES = {"designed", "stray"}  # quantities that are shares of RAYS traced rays
 STACKED = ("alpha", "z1", "z2")  # parameters that are arrays in a scene of `stacked`
 
@@ -301,7 +305,7 @@ STACKED = ("alpha", "z1", "z2")  # parameters that are arrays in a scene of `sta
 def stacked(scene: AxialScene, values: Mapping[str, Floats]) -> AxialScene | None:
     """Return a scene for n scenes that differ in parameters of STACKED alone: these are arrays (n,).
 
-    z1 is that of the first object. What is PREDICTED is found for all at once. Nothing is checked. Return None if a
+    z1 is that of the first object. Quantities that stack are found for all at once. Nothing is checked. Return None if a
     sheet has no ray-transfer matrix: then predictions are searched for, one by one.
     """
     made = scene.model_copy()

@@ -18,7 +18,7 @@ def test_measured_values_are_those_of_the_documentation():
     (error,) = re.findall(r"within ([\d.]+) pixels of equation 7", paper)
     assert float(error) == round(value("apparent position against eq. 7, 60 scenes, worst"), 3)
     pixels = [float(text) for text in re.findall(r"([\d.]+) % of (?:all|the) pixels", paper)]
-    rays = "all pixels whose ray leaves that agree"
+    rays = "of the pixels whose ray leaves, those that agree"
     assert pixels == [value(f"2x100, 4 alphas: {rays}"), value(f"2 windows of 2x100, 4 scenes: {rays}")]
     assert value("2x100, 4 alphas: pixels on the designed path that agree") == 100
     (fraction,) = re.findall(r"^\| 8° to 150° \| [\d.]+ px \| ([\d.]+)", accuracy, re.M)
