@@ -305,8 +305,8 @@ STACKED = ("alpha", "z1", "z2")  # parameters that are arrays in a scene of `sta
 def stacked(scene: AxialScene, values: Mapping[str, Floats]) -> AxialScene | None:
     """Return a scene for n scenes that differ in parameters of STACKED alone: these are arrays (n,).
 
-    z1 is that of the first object. Quantities that stack are found for all at once. Nothing is checked. Return None if a
-    sheet has no ray-transfer matrix: then predictions are searched for, one by one.
+    z1 is that of the first object. Quantities that stack are found for all at once. Nothing is checked. Return None if
+    a sheet has no ray-transfer matrix: then predictions are searched for, one by one.
     """
     made = scene.model_copy()
     for found in ("sheets", "contents"):

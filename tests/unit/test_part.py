@@ -1,5 +1,7 @@
 """`povgen part`: sheets as closed solids. tests/render/test_part_pictures.py compares what they do to light."""
 
+import sys
+from importlib import import_module
 from math import asin, sin, tau
 
 import numpy as np
@@ -102,6 +104,15 @@ def test_what_is_refused(options, words, tmp_path):
 def test_wrong_types_are_refused(tmp_path):
     assert "scene = 3" in refusal(lambda: part(3, tmp_path / "a.stl"))
     assert "frame = 'no'" in refusal(lambda: part(Chess(), tmp_path / "a.stl", frame="no"))
+
+
+def test_verify_runs_without_the_packages(monkeypatch):
+    for name in ("trimesh", "manifold3d"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for name in ("part", "verify_paths"):
+        monkeypatch.delitem(sys.modules, f"povgen.measure.{name}", raising=False)
+    rows = import_module("povgen.measure.verify_paths").checks()
+    assert next(rows).what.startswith("diffraction")
 
 
 def test_the_light_that_the_page_about_tolerances_states():
