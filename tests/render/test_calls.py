@@ -122,6 +122,14 @@ def test_the_progress_in_a_script(tmp_path, capsys):
     assert capsys.readouterr() == ("", "")
 
 
+def test_a_picture_shows_its_progress_unless_told_otherwise(tmp_path, monkeypatch):
+    picture, quiet = still.as_file(SCENE, Rendering(**SMALL)), []
+    monkeypatch.setattr(still, "as_file", lambda *_, **options: quiet.append(options["quiet"]) or picture)
+    for options in ({}, {"progress": False}):
+        save(SCENE, tmp_path / "a.png", **SMALL, **options)
+    assert quiet == [False, True]
+
+
 @pytest.mark.parametrize(
     ("renderer", "options", "pictures"),
     some(

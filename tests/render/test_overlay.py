@@ -363,6 +363,10 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ),
         ([Spheres(alpha=alpha) for alpha in (0, 140)], ["rays turned by α = 0°", "rays turned by α = 140°"]),
         (
+            [Chess(sheet="ideal", alpha=30, window=f"alpha={alpha},z=2") for alpha in (10, 50)],
+            ["α₂ = 10°, knight appears turned by 14°", "α₂ = 50°, knight appears turned by 20°"],
+        ),
+        (
             [Chess(eye=(x, 0)) for x in (-0.5, -0.04, 1)],
             ["eye 0.5 tiles to the left", "eye in the middle", "eye 1.0 tiles to the right"],
         ),
