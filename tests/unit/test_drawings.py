@@ -1,10 +1,8 @@
 """Overlays, captions and side views are those that are kept in tests/data."""
 
-import imageio.v3 as iio
-import numpy as np
-import pytest
-
 import drawings
+import imageio.v3 as iio
+import pytest
 
 
 @pytest.mark.parametrize("name", drawings.SCENES)
