@@ -152,14 +152,26 @@ export class LiveView extends Schedule {
   // Read the distance fields of the other pieces, one after the other: the browser draws in between.
   async loadRest({ grid, pieces }) {
     const { names, fields } = this.shapes;
-    for (const [k, name] of names.entries()) {
-      if (fields[k]) continue;
+    for (let left = names.length; left; left--) {
       await new Promise((done) => setTimeout(done));
-      fields[k] = await field(pieces[name], grid);
+      const k = this.unread ?? names.findIndex((_, n) => !fields[n]);
+      if (k < 0) break;
+      fields[k] = await field(pieces[names[k]], grid);
       if (this.gl && !this.gl.isContextLost()) this.context.fillVolume(k);
-      if (this.pieces.includes(k)) this.again();
     }
     return this.shapes;
+  }
+
+  // The number of a piece that the scene shows and whose distance field has not been read yet.
+  get unread() {
+    return this.pieces.find((k) => !this.shapes.fields[k]);
+  }
+
+  // What is shown stays until all pieces of the scene have been read.
+  move() {
+    if (this.unread === undefined) return super.move();
+    this.asked = false;
+    this.later();
   }
 
   // Draw a pixel as soon as the shaders are compiled, which makes them ready, while the pieces are being read.

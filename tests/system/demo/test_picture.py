@@ -27,6 +27,17 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
     assert max(abs(x - 79.5).max(), abs(y - 59.5).max()) < half
 
 
+def test_a_piece_is_drawn_when_its_shape_has_been_read(page):
+    picture(page, COARSE)
+    page.evaluate("window.kept = view.shapes.fields; view.shapes.fields = kept.slice(0, 1)")
+    show(page, piece="king")
+    frames = "(count) => { let n = 0; const tick = () => ++n < count ? requestAnimationFrame(tick) : done(); tick(); }"
+    page.evaluate(f"() => new Promise((done) => ({frames})(5))")
+    assert page.evaluate("[view.unread, view.stale]") == [page.evaluate("view.shapes.names.indexOf('king')"), True]
+    page.evaluate("view.shapes.fields = kept")
+    page.wait_for_function("view.converged()")
+
+
 @pytest.mark.parametrize("name", some([*KINDS], 1))
 def test_other_sheets_show_the_piece_where_it_is_predicted(page, name):
     page.get_by_label("Kind of window").select_option(name)
