@@ -101,6 +101,14 @@ def test_facets_that_differ_turn_light_as_snells_law_says():
         assert rays.designed.sum() > 20
 
 
+def test_a_seed_gives_the_same_prisms_in_every_version():
+    """Otherwise a file's record would make another picture."""
+    error = {"facets": 1, "pitches": 0.05, "seed": 3}
+    lowest, bottoms, angles = single_prisms(Chess(prisms=30, error=error).sheets[0].glass[0], 3.0)
+    np.testing.assert_allclose(bottoms[-lowest:][:3], [-1.509798, -1.40783, -1.303852], atol=1e-6)
+    np.testing.assert_allclose(np.degrees(angles[-lowest]), [44.7564, 46.0023], atol=1e-4)
+
+
 @pytest.mark.parametrize(("count", "aspect"), [(30, 1), (31, 0.8)])
 def test_prisms_of_other_heights_reflect_the_place_of_light_at_their_own_base(count, aspect):
     """Light along z leaves along z, and on average at the height at which it arrives: docs/tolerances.md."""
