@@ -94,10 +94,10 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     expect(lesson).to_have_text(re.compile(r"Stunde\s+10/14"))
     expect(page.locator("#next")).to_be_hidden()
     expect(page.locator("#lesson-name")).to_be_hidden()
-    page.evaluate("povgen.address.fromHash('#light=prism&view=side'); povgen.data.draw()")
+    page.evaluate("povgen.address.fromHash('#level=expert&light=prism&view=side'); povgen.data.draw()")
     assert "&view=side" in page.evaluate("povgen.address.toHash()")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+–/14"))
-    page.evaluate("$('present').click()".replace("$", "document.getElementById"))
+    page.evaluate("document.getElementById('present').click()")
     page.keyboard.press("PageDown")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/14"))
     page.get_by_role("button", name="Beenden").click()
@@ -105,7 +105,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.evaluate("window.print = () => { window.printed = true; }")
     page.evaluate(
         """async () => {
-          povgen.state.change({ alpha: 90, depth: true, large: true, compare: "none", image: true });
+          povgen.state.change({ sheet: "ideal", alpha: 90, depth: true, large: true, compare: "none", image: true });
           povgen.data.draw();
           await povgen.picture.otherView().ready;
         }"""

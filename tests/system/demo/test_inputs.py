@@ -111,6 +111,7 @@ def test_what_is_changed_is_said(page):
       return slider.getAttribute("aria-valuetext");
     }"""
     assert page.evaluate(said, ["alpha", 21]) == "21.0°"
+    show(page, sheet="ideal", E=[0, 0])
     assert page.evaluate(said, ["z1", 0]) == "0.581 tiles"  # the least there
     first, what = page.evaluate("heard(moment())")
     assert first.startswith("z₁ is at least 0.581") and what.startswith("The knight appears turned by ")
