@@ -5,7 +5,7 @@ import { pick } from "./data.js";
 import { choose, LANGUAGES, say, spoken } from "./language.js";
 import { end, isRevealed, MOST_CHOICES, ownQuestions, QUESTIONS, setOwn } from "./questions.js";
 import { scrambled, unscrambled } from "./scramble.js";
-import { change, CHOICES, inSeries, LOOKER, OPENING, partsShown, RANGES, session, START, state, SWITCHES } from "./state.js";
+import { CAMERAS, change, CHOICES, inSeries, LOOKER, OPENING, partsShown, RANGES, session, START, state, SWITCHES } from "./state.js";
 
 const short = (x) => (x === "best" ? x : String(Number(x.toPrecision(7))));
 
@@ -38,10 +38,12 @@ export function toHash() {
   if (session.room) return hashOf({ room: session.room, ...Object.fromEntries(Object.entries(session.moved).map(([name, x]) => [name, short(x)])) });
   /** @type {Record<string, string>} */
   const parts = asked?.own ? {} : settings();  // a teacher's question has its own, and its link is short
+  if (!asked?.own && viewed() !== "corner") parts.view = viewed();
   if (asked) parts.question = asked.name;
   else if (session.measuring) parts.panel = "measure";
   return hashOf(parts);
 }
+const viewed = () => Object.keys(CAMERAS).find((name) => String(CAMERAS[name]) === String(session.camera)) ?? "corner";
 const hashOf = (parts) => `#${Object.entries({ ...parts, ...lasting() }).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 
 // Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
@@ -61,6 +63,7 @@ export function fromHash(hash) {
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);
   if (!complete) session.refusals = [say("asking.own_cut")];
+  session.camera = CAMERAS[given.get("view")] ?? CAMERAS.corner;
   session.room = given.get("room") ?? "";
   session.moved = Object.fromEntries([...given].filter(([name, x]) => name.includes(".") && isNumber(x)).map(([name, x]) => [name, Number(x)]));
   [session.replaced, session.own, session.drawn, session.measuring] = [null, {}, null, given.get("panel") === "measure"];
@@ -106,7 +109,7 @@ function decoded(code) {
 }
 
 // The values in an address that are allowed.
-function valuesOf(given) {
+export function valuesOf(given) {
   const values = {};
   for (const [name, allowed] of Object.entries(CHOICES)) if (allowed.includes(given.get(name))) values[name] = given.get(name);
   for (const name of ["L", "E", "W", ...Object.keys(RANGES)]) {

@@ -49,6 +49,7 @@ CHOICES = {
 }
 SWITCHES = ["position", "circles", "image", "caption", "depth", "stray", "large"]
 POINTS = {"L", "E", "W"}
+VIEWS = ["side", "corner", "above", "eye"]  # of the light
 OTHERS = {"level", "language", "question", "own", "panel"}  # what else a link has
 
 
@@ -61,7 +62,9 @@ def settings(text: str, pieces: Collection[str]) -> dict[str, object]:
         value, words = unquote_plus(value), unquote_plus(value).split(",")
         if name in OTHERS:
             continue
-        if name == "show":
+        if name == "view":
+            _allowed(part, [value], VIEWS)
+        elif name == "show":
             _allowed(part, [*filter(None, words)], SWITCHES)
             # the glasses are the reader's own
             found |= {switch: switch in words for switch in SWITCHES if switch != "depth"}
@@ -72,7 +75,7 @@ def settings(text: str, pieces: Collection[str]) -> dict[str, object]:
             found[name] = value if part == "focus=best" else _numbers(part, name, words)
         else:
             raise InputError(
-                f"{shown(name)}: unknown setting; allowed: {', '.join([*choices, *RANGES, *POINTS, 'show'])}"
+                f"{shown(name)}: unknown setting; allowed: {', '.join([*choices, *RANGES, *POINTS, 'show', 'view'])}"
             )
     return found
 

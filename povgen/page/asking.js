@@ -132,6 +132,7 @@ export function drawQuestion() {
     $("ask").textContent = unbroken(ask(question));
     $("prediction").replaceChildren(...(question.match || question.goal ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
+    if (isRevealed(n) && work.votes[question.name]) $("votes").hidden = false;
     drawnQuestion = question;
     refused = "";
   }
@@ -223,7 +224,7 @@ $("question-form").addEventListener("submit", (event) => {
   drawQuestion();
   if (refused) field.focus();
   else {
-    ($("next").disabled ? $("previous") : $("next")).focus();  // the button Reveal is gone
+    ["next", "previous", "lesson-next"].map($).find((button) => !button.disabled && button.checkVisibility())?.focus();  // the button Reveal is gone
     $("answer").scrollIntoView({ block: "nearest" });
   }
 });

@@ -50,7 +50,10 @@ const typed = (x) => (Number.isFinite(x) ? localised(String(Number(Math.abs(x) <
 
 for (const [name, { ends: [min, max], step }] of Object.entries(SLIDERS)) {
   const slider = Object.assign($(`slider-${name}`), { min, max, step });
-  slider.addEventListener("input", () => given({ [name]: valueOf(name) }));
+  slider.addEventListener("input", () => {
+    given({ [name]: valueOf(name) });
+    showSlider(name, moment());  // at once: a screen reader speaks it after the key
+  });
   numberField($(`number-${name}`), name === "pupil" ? 0.01 : 1, (x) => ({ [name]: x }), name, () => SYMBOL[name]);
 }
 for (const [name, letters] of FIELDS) {
@@ -94,6 +97,7 @@ $("slider-z1").addEventListener("keydown", (event) => {
   const { objects, z1 } = moment();
   const ordered = [...objects].sort((a, b) => a - b);
   given({ z1: ordered[clamped(ordered.indexOf(z1) + aside, [0, ordered.length - 1])] });
+  showSlider("z1", moment());
 });
 
 // A field for a number of the quantity `name`. The arrows up and down change it by a step.
@@ -195,18 +199,20 @@ export function fillPage() {
   for (const option of $("piece").options) option.textContent = pieceName(option.value);
 }
 
-// The quantity that matters for the sheet: the movie's, if the sheet has an angle. A projector shows its slider.
-const mainSlider = () => (usesAlpha(state.sheet) ? player.preset.parameter : data.kinds[state.sheet]?.parameters.find((name) => SLIDERS[name]) ?? "z1");
+// The quantity that matters for the sheet: the movie's, if the sheet has an angle. A projector shows its slider, or that of
+// what a lesson's step is about.
+const mainSlider = () => session.about || (usesAlpha(state.sheet) ? player.preset.parameter : data.kinds[state.sheet]?.parameters.find((name) => SLIDERS[name]) ?? "z1");
+
+function showSlider(name, now) {
+  const x = ["z1", "z2", "focus"].includes(name) || (name === "d" && now.d) ? now[name] : state[name], slider = $(`slider-${name}`);
+  if (document.activeElement !== slider || Math.abs(valueOf(name) - x) > 0.01 * Math.abs(x)) slider.value = SLIDERS[name].to(Math.min(x, 1e9));
+  slider.setAttribute("aria-valuetext", name === "prisms" ? prismsText(x) : quantity(name, x));
+  put(`number-${name}`, x);
+}
 
 // Show the state in all inputs, except in a field that someone is typing in.
 export function showInputs(now) {
-  for (const name of Object.keys(SLIDERS)) {
-    const x = ["z1", "z2", "focus"].includes(name) || (name === "d" && now.d) ? now[name] : state[name];
-    const slider = $(`slider-${name}`);
-    if (document.activeElement !== slider || Math.abs(valueOf(name) - x) > 0.01 * Math.abs(x)) slider.value = SLIDERS[name].to(Math.min(x, 1e9));
-    slider.setAttribute("aria-valuetext", name === "prisms" ? prismsText(x) : quantity(name, x));
-    put(`number-${name}`, x);
-  }
+  for (const name of Object.keys(SLIDERS)) showSlider(name, now);
   for (const [name, letters] of FIELDS) [...letters].forEach((axis, k) => put(`number-${name}${axis}`, state[name][k]));
   const [first, second] = kinds().map((sheet) => sheet === "none" || sheet === "single");
   for (const [name, none] of Object.entries({ alpha: first, alpha2: second, prisms: !now.glass })) for (const part of ["slider", "number"]) $(`${part}-${name}`).disabled = none;
@@ -327,6 +333,10 @@ TABS.forEach((tab, n) => {
     refresh();
   });
   tab.addEventListener("keydown", (event) => {
+    if (n === 1 && event.key === "Tab" && !event.shiftKey) {  // the question comes before its buttons
+      event.preventDefault();
+      $("ask").focus();
+    }
     const aside = { ArrowLeft: -1, ArrowRight: 1 }[event.key], other = TABS.at((n + aside) % TABS.length);
     if (!aside) return;
     event.preventDefault();

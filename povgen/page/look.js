@@ -27,7 +27,7 @@ export function present(on) {
 $("present").addEventListener("click", () => {
   $("share-open").click();  // closes the tools
   present(true);
-  $("leave").focus();
+  $("lesson-next").focus();  // not Leave: a space would end it
 });
 $("leave").addEventListener("click", () => present(false));
 if (inTab("present")) present(true);  // it was loaded again

@@ -21,7 +21,7 @@ import { drawRoom } from "./rooms.js";
 import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
-import "./teaching.js";
+import { drawPlace } from "./teaching.js";
 import { describe, explanation, heard, isToBeFound, seen } from "./text.js";
 import "./tilt.js";
 import { tour } from "./tour.js";
@@ -44,6 +44,7 @@ function drawPage() {
   drawView(now);
   drawTabs();
   drawQuestion();
+  drawPlace();
   showInputs(now);
   showNumbers(now);  // before the drawings: the length of the text decides how large they are
   drawOverlay(now);

@@ -4,11 +4,10 @@
 import { radians } from "../liveview/geometry.js";
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPiece } from "../liveview/presets.js";
-import { settings } from "./address.js";
 import { abs, arg, finite, minus, plus, quotient, scaled } from "./complex.js";
-import { $, clamped, element, on, refresh, write } from "./data.js";
+import { $, clamped, element, on, pick, refresh, write } from "./data.js";
 import { csvOf, keep, saveTable, work } from "./kept.js";
-import { angle, brief, fixed, localised, printed, readNumber, say, SYMBOL, tilesText } from "./language.js";
+import { angle, brief, fixed, localised, printed, readNumber, say, SETTINGS, SYMBOL, tilesText } from "./language.js";
 import { apparentPosition, appearance, moment } from "./moment.js";
 import { outlineOf } from "./outline.js";
 import { onStage, tilePixels } from "./overlay.js";
@@ -19,8 +18,8 @@ import { kinds, session, state, usesAlpha } from "./state.js";
 const FARTHEST = [2.4, 1.8];  // from the picture's middle
 /** @type {Record<string, any>} */
 const points = { A: [0, -0.75], B: [0, 0.35], C: [0.6, 0.2] };
-// without alpha or N where the sheets have none
-/** @type {{sheets: string[], N: number | null, alpha: number | null, z1: number, z2: number, d?: number, nu: string, M: string}[]} */
+// without alpha or N where the sheets have none; M is a text where it was typed
+/** @type {{sheets: string[], N: number | null, alpha: number | null, z1: number, z2: number, d?: number, nu: string, M: string | number}[]} */
 export const rows = work.rows;
 
 // What the tool measures: the angle from the arm AB to the arm AC, counter-clockwise, and the lengths of both.
@@ -42,15 +41,17 @@ const unit = (values) => (isSimple() ? bare(values) : 1);
 
 let level = "";  // of the rows that are shown
 let shown = false;
-let moved = false;  // whether a point was moved since the last row
+let placed = "";    // the settings for which the points were placed
+let written = "";   // the settings of the last row, until a point is moved
 let told = "";      // the settings whose answer is shown
-const present = () => JSON.stringify(settings());
+const present = () => JSON.stringify(pick(state, "scene", ...SETTINGS));
+const isNew = () => placed === present() && written !== placed;
 
 export function drawMeasure(now) {
   const on = session.measuring && state.question < 0;
   if (on && !shown) {
     lay(now, [0.6, 0.95]);
-    [moved, session.answered] = [false, false];
+    [placed, session.answered] = ["", false];
   }
   shown = on;
   $("tool").toggleAttribute("hidden", !on);
@@ -60,8 +61,8 @@ export function drawMeasure(now) {
     session.answered = false;
     refresh();
   }
-  $("write-down").disabled = !moved;
-  $("move-first").style.visibility = moved ? "hidden" : "";  // it keeps its room, so that the buttons stay where they are
+  $("write-down").setAttribute("aria-disabled", !isNew());  // not `disabled`: it keeps the focus
+  $("move-first").style.visibility = isNew() ? "hidden" : "";  // it keeps its room, so that the buttons stay where they are
   $("tell").setAttribute("aria-pressed", session.answered);
   const [A, B, C] = [points.A, points.B, points.C].map(onStage), { angle: found, AB, AC } = measured();
   const radius = Math.min(0.5 * abs(minus(B, A)), 0.5 * abs(minus(C, A)), 0.6 * tilePixels()), start = heading(A, B);
@@ -80,7 +81,7 @@ export function drawMeasure(now) {
     $(`point-${name}`).setAttribute("aria-label", say("measure.point", { name, place: placeSaid(place) }));
   }
   const tall = height(), size = AC / tall;
-  write("readings", say("measure.readings", { angle: angle(found), AB: tilesText(AB), AC: tilesText(AC) })
+  write("readings", placed !== present() ? "" : say("measure.readings", { angle: angle(found), AB: tilesText(AB), AC: tilesText(AC) })
     + (tall ? ` ${say(`measure.height${isSimple() ? "" : "_and_M"}`, { tiles: tilesText(tall), M: fixed(size, 2), times: fixed(size / bare(now), 2) })}` : ""));
   if (level !== state.level) drawRows();
   drawPlots(now);
@@ -101,9 +102,10 @@ function ticks(from, to) {
   });
 }
 
-const move = (name, place) => {
-  points[name] = place.map((x, k) => clamped(x, [-FARTHEST[k], FARTHEST[k]]));
-  moved = true;
+const placeAnew = () => ([placed, written] = [present(), ""]);
+const move = (name, to) => {
+  points[name] = to.map((x, k) => clamped(x, [-FARTHEST[k], FARTHEST[k]]));
+  placeAnew();
   refresh();
 };
 for (const name of Object.keys(points)) {
@@ -118,18 +120,20 @@ for (const name of Object.keys(points)) {
 
 // ---- The table ----
 
-const QUANTITIES = ["sheets", "N", "alpha", "z1", "z2", "nu", "M"];
+const QUANTITIES = ["sheets", "N", "alpha", "z1", "z2", "nu", "M", "size"];
+const read = (given) => readNumber(String(given));
+const rounded = (x) => Number(x.toFixed(2));
 
 $("write-down").addEventListener("click", () => {
+  if (!isNew()) return write("spoken", say("measure.move_first"));
   const { angle: found, AC } = measured(), tall = height();
   const { z1, z2, d, glass } = moment(), sheets = kinds();
-  const row = { d, sheets, N: glass ? state.prisms : null, alpha: sheets.some(usesAlpha) ? state.alpha : null, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? fixed(AC / tall, 2) : "" };
+  const row = { d, sheets, N: glass ? state.prisms : null, alpha: sheets.some(usesAlpha) ? state.alpha : null, z1, z2, nu: fixed(found / radians(1), 1), M: tall ? AC / tall : "" };
   rows.push(row);
   keep();
-  moved = false;
+  written = placed;
   $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, name: sizeName(), M: tall ? fixed(AC / tall / unit(row), 2) : "" });
   drawRows();
-  $("point-C").focus({ preventScroll: true });  // the button waits until a point is moved
 });
 on("tell", "click", () => {
   session.answered = !session.answered;
@@ -138,15 +142,15 @@ on("tell", "click", () => {
 on("put-on", "click", () => {
   const now = moment(), tall = height() || now.radii[now.objects.indexOf(now.z1)];
   lay(now, minus(apparentPosition(now, plus(now.L, [0, tall])), now.place));
-  moved = true;
+  placeAnew();
 });
 
 export function drawRows() {
   level = state.level;
   $("rows").replaceChildren(...rows.map((row, n) => {
     const field = (name, symbol, scale = 1) => {
-      const isScaled = (x) => scale !== 1 && Number.isFinite(x), shown = readNumber(row[name]) / scale;
-      const value = localised((isScaled(shown) ? shown.toFixed(2) : row[name]).replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
+      const isScaled = (x) => scale !== 1 && Number.isFinite(x), shown = read(row[name]) / scale;
+      const value = localised((isScaled(shown) || typeof row[name] === "number" ? shown.toFixed(2) : row[name]).replace(",", ".")), ariaLabel = say("measure.field", { name: symbol, n: n + 1 });
       return element("input", { className: "field", value, autocomplete: "off", ariaLabel, oninput: ({ target }) => {
         const typed = readNumber(target.value) * scale;
         row[name] = isScaled(typed) ? String(Number(typed.toFixed(4))) : target.value;
@@ -158,7 +162,7 @@ export function drawRows() {
       rows.splice(n, 1);
       keep();
       drawRows();
-      $("point-C").focus({ preventScroll: true });
+      $("write-down").focus({ preventScroll: true });
     } }, "×");
     const sheets = row.sheets.map((name) => say(`kinds.${name}.choice`)).join(" + ");
     const numbers = ["N", "alpha", "z1", "z2"].map((name) => (row[name] === null ? "–" : printed(String(Number(row[name].toPrecision(4))))));
@@ -169,8 +173,10 @@ export function drawRows() {
   refresh();
 }
 
-const table = () => [QUANTITIES, ...rows.map(({ sheets, ...row }) => QUANTITIES.map((name) =>
-  (name === "sheets" ? sheets.join("+") : typeof row[name] === "string" ? readNumber(row[name]) : row[name])))];
+// Each number is rounded once, as the page shows it. `size` is compared with that without sheets.
+const table = () => [QUANTITIES, ...rows.map(({ sheets, nu, M, ...row }) => Object.values({
+  sheets: sheets.join("+"), ...pick(row, "N", "alpha", "z1", "z2"), nu: read(nu), M: typeof M === "number" ? rounded(M) : read(M), size: rounded(read(M) / bare(row)),
+}))];
 export const csv = () => csvOf(table());
 $("save-csv").addEventListener("click", () => saveTable("povgen.csv", table()));
 
@@ -204,7 +210,7 @@ function drawPlot(plot, name, x, now) {
     return name === "nu" ? nu / radians(1) : M / unit({ ...now, ...values });
   };
   const points = now.two && rows.length ? Array.from({ length: 181 }, (_, k) => (log ? least * (most / least) ** (k / 180) : least + ((most - least) * k) / 180)) : [];
-  const angles = [...points.map((value) => seen(value)), ...there.map(({ nu }) => readNumber(nu) || 0)].map(Math.abs);
+  const angles = [...points.map((value) => seen(value)), ...there.map(({ nu }) => read(nu) || 0)].map(Math.abs);
   const end = ENDS_OF_NU.find((limit) => limit === 180 || angles.every((each) => !(each > limit))), scale = name === "nu" ? [-end, end] : [0, 3];
   const share = (value) => (log ? Math.log(value / least) / Math.log(most / least) : (value - least) / (most - least));
   /** @type {(value: number, shown: number) => any} */
@@ -212,8 +218,8 @@ function drawPlot(plot, name, x, now) {
   const inside = points.map((value) => [value, seen(value)]).map(([value, shown], n, all) =>
     (shown >= scale[0] && shown <= scale[1] && !(n && Math.abs(shown - all[n - 1][1]) > 180) ? to(value, shown) : null));
   const same = (row) => String(row.sheets) === String(kinds()) && Object.keys(present).every((other) => other === x || Math.abs(row[other] - present[other]) < 1e-3 * Math.max(1, Math.abs(present[other])));
-  const marks = there.filter((row) => Number.isFinite(readNumber(row[name])) && row[name].trim())
-    .map((row) => dot(`mark${same(row) ? "" : " other"}`, to(row[x], clamped(readNumber(row[name]) / (name === "nu" ? 1 : unit(row)), /** @type {any} */ (scale))), 4));
+  const marks = there.filter((row) => Number.isFinite(read(row[name])) && String(row[name]).trim())
+    .map((row) => dot(`mark${same(row) ? "" : " other"}`, to(row[x], clamped(read(row[name]) / (name === "nu" ? 1 : unit(row)), /** @type {any} */ (scale))), 4));
   plot.setAttribute("viewBox", `0 0 ${width} ${all}`);
   plot.replaceChildren(
     line("axis", [left, bottom], [right, bottom]), line("axis", [left, bottom], [left, top]),

@@ -13,14 +13,13 @@ import { outlineOf } from "./outline.js";
 import { imagePlace, lightShares, raysSaid, thing } from "./phrases.js";
 import { at, bundle, fieldRays, hasField, meeting, perpendicularLoop } from "./rays.js";
 import { along, arrowhead, dot, heading, line, svg, words } from "./shapes.js";
-import { FLOOR, isEmpty, session, state } from "./state.js";
+import { CAMERAS, FLOOR, isEmpty, session, state } from "./state.js";
 import { passage } from "./trace.js";
 
 const space = $("space"), box = $("space-box"), stage = $("stage");
 const LONGEST = 16;  // tiles: what is longer is drawn shorter
 const HIGHEST = 1.8; // tiles: of all pieces
 const LOW = 110;     // pixels: a lower view names only L and E
-export const CAMERAS = { side: [0, 0], corner: [0.55, 0.3], above: [0, 1.5], eye: [1.57, 0.06] };
 
 export function drawSpace(now) {
   place();

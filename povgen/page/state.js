@@ -30,6 +30,7 @@ export const WHOLE = ["prisms", "windows", ...Object.keys(data.parameters).filte
 export const BEHIND_PRISMS = ["same", "single", "detailed"];
 const ASIDE = 10;           // |x| and |y| of L and E are at most this
 const LEAST_PEDESTAL = 0.2;
+export const CAMERAS = { side: [0, 0], corner: [0.55, 0.3], above: [0, 1.5], eye: [1.57, 0.06] };  // azimuth and elevation, radians
 const IN_WINDOW = data.scenes.chess.aperture / 2 - 0.05;
 export const state = { ...OPENING };
 export const LOOKER = ["level", "depth"];  // what depends on who looks: a question and the guided start leave it as it is
@@ -48,7 +49,7 @@ export const session = {
   typing: null,       // the field that someone is typing in
   held: null,         // what is being dragged
   diagramMap: null,   // from the coordinates of the diagram that is shown to its pixels
-  camera: [0.55, 0.3], // the view of the light: azimuth and elevation, radians
+  camera: CAMERAS.corner, // the view of the light
   measuring: false,   // whether the panel for measuring is open
   answered: false,    // whether the sentence is shown while a class measures
   curtain: 0.5,       // the part of the picture that is to the left of it
@@ -57,6 +58,7 @@ export const session = {
   twin: 0,            // where the piece stands a second time: x, tiles; 0: nowhere
   room: "",           // a room in place of all this: an example's name, or its file, scrambled
   moved: {},          // the numbers of its eye and its windows that were changed, as "left.alpha"
+  about: "",          // the number that the shown step of a lesson is about
   marked: "",         // the quantity that is marked in the drawings
   pinned: "",         // the one that stays marked
 };

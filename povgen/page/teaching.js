@@ -1,16 +1,16 @@
 // A teacher's panel: what such windows are good for, the steps of a lesson, and a sheet of tasks to print.
 
 import { still } from "../liveview/readout.js";
-import { lasting } from "./address.js";
-import { $, data, element, refresh } from "./data.js";
+import { lasting, valuesOf } from "./address.js";
+import { $, data, element, on, refresh, write } from "./data.js";
 import { drawCode, page, printPicture } from "./handouts.js";
 import { inTab, keep, work } from "./kept.js";
-import { entry, marked, quantity, say, SYMBOL, unbroken } from "./language.js";
+import { entry, marked, quantity, say, SETTINGS, SYMBOL, unbroken } from "./language.js";
 import { moment, otherScene } from "./moment.js";
 import { drawOther, overlayImage, view } from "./picture.js";
 import { ask, choices, QUESTIONS } from "./questions.js";
-import { OPENING } from "./state.js";
-import { settingSaid } from "./text.js";
+import { OPENING, session, START, state } from "./state.js";
+import { isToBeFound, settingSaid } from "./text.js";
 
 const asked = (name) => QUESTIONS.find((question) => question.name === name);
 
@@ -25,7 +25,7 @@ function stepsOf({ name, steps }) {
     }),
   ]);
 }
-const SETTINGS = data.lessons.flatMap((lesson) => stepsOf(lesson).flat());
+const SLIDES = data.lessons.flatMap((lesson) => stepsOf(lesson).flat());
 const hashOf = (setting) => `#${new URLSearchParams({ ...setting, ...lasting() })}`;
 /** @type {any[]} */
 const steppers = [...$("lesson").querySelectorAll("button")];
@@ -33,16 +33,31 @@ let at = Number(inTab("lesson") || -1);  // the one that was opened last
 
 // A setting is opened by its link, or by the buttons of Present. Its question is asked anew.
 function opens(setting) {
-  at = SETTINGS.findIndex((each) => hashOf(each.setting) === hashOf(setting));
+  at = SLIDES.findIndex((each) => hashOf(each.setting) === hashOf(setting));
   inTab("lesson", String(at));
   if (work.answers[setting.question]) work.answers[setting.question].shown = false;
   keep();
-  drawPlace();
+  refresh();
 }
 
-function drawPlace() {
-  $("lesson-place").textContent = at < 0 ? "" : `${at + 1}/${SETTINGS.length}`;
-  for (const button of steppers) button.disabled = !SETTINGS[at + Number(button.value)];
+// Whether the page shows a setting: its question, or its numbers, wherever the eye and the object have been dragged.
+function isShown({ question, ...setting }) {
+  if (question) return QUESTIONS[state.question]?.name === question;
+  const values = valuesOf(new URLSearchParams(setting)), wanted = { ...OPENING, ...START[values.scene ?? "chess"], ...values };
+  return ["question", "scene", "light", ...SETTINGS].every((name) => ["L", "E"].includes(name) || String(state[name]) === String(wanted[name]));
+}
+
+// Where Present is in the lesson: what is shown there, and which slider. The last number of a setting is what it is about.
+export function drawPlace() {
+  const slide = document.body.classList.contains("present") ? SLIDES[at] : undefined, shown = Boolean(slide) && isShown(slide.setting);
+  const { question, sheet = OPENING.sheet } = slide?.setting ?? {};
+  document.body.classList.toggle("stepping", shown);
+  session.about = slide && !question && sheet === state.sheet ? Object.keys(slide.setting).findLast((name) => name in SYMBOL) ?? "" : "";
+  $("lesson-name").hidden = !slide || question || state.question >= 0;
+  $("lesson-name").style.visibility = shown && !isToBeFound() ? "" : "hidden";  // it keeps its room while a slider moves
+  write("lesson-name", slide && !question ? slide.called() : "");
+  write("lesson-place", `${shown ? at + 1 : "–"}/${SLIDES.length}`);
+  for (const button of steppers) button.disabled = !SLIDES[at + Number(button.value)];
 }
 
 // The name of a setting that has none.
@@ -106,6 +121,8 @@ async function drawTasks({ steps }) {
   $("task-list").replaceChildren(...tasks);
   $("task-name").replaceChildren(blank(say("teaching.name")), blank(say("teaching.date")));
   $("task-setting").textContent = settingSaid(moment());
+  const { nu, turned = nu, sheet } = moment();
+  for (const part of document.querySelectorAll(".measured")) part.hidden = sheet === "single" || !Number.isFinite(turned);
   $("task-measured").replaceChildren(...["<i>ν</i> =", `${say("page.size")} =`].map(blank));
   $("task-picture").src = await taskPicture(false);
   $("task-free").src = await taskPicture(true);
@@ -120,8 +137,15 @@ $("teach-open").addEventListener("click", () => {
 $("teach").addEventListener("click", ({ target }) => (target === $("teach") || target.closest("a")) && $("teach").close());
 addEventListener("afterprint", () => document.body.classList.remove("tasks"));
 for (const button of steppers) button.addEventListener("click", () => {
-  const { setting } = SETTINGS[at + Number(button.value)];
+  const { setting } = SLIDES[at + Number(button.value)];
   opens(setting);
   location.hash = hashOf(setting);
 });
-drawPlace();
+on("present", "click", () => SLIDES[at] && !isShown(SLIDES[at].setting) && (at = -1));  // it begins with the first step
+// A presenter's remote control sends these keys.
+document.addEventListener("keydown", (event) => {
+  const way = { PageUp: 0, PageDown: 1 }[event.key];
+  if (way === undefined || !document.body.classList.contains("present") || event.target.matches("textarea")) return;
+  event.preventDefault();
+  steppers[way].click();
+});

@@ -23,10 +23,10 @@ export function explanation(now) {
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
 
-// What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken alone.
+// What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken first.
 export function heard(now) {
   const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
-  return limits.length ? limits : [...mountains(now), explanation(now), pointsSaid(now), ...light];
+  return limits.length ? [...limits, ...(isToBeFound() ? [] : [seen(now)])] : [...mountains(now), explanation(now), pointsSaid(now), ...light];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });

@@ -8,8 +8,7 @@ import { $, data, on, pick, refresh } from "./data.js";
 import { entry, isAngle, say } from "./language.js";
 import { view } from "./picture.js";
 import { player, reducedMotion } from "./player.js";
-import { CAMERAS } from "./space.js";
-import { change, LOOKER, OPENING, session, START, state, SWITCHES } from "./state.js";
+import { CAMERAS, change, LOOKER, OPENING, session, START, state, SWITCHES } from "./state.js";
 
 const KNIGHT = { ...OPENING, ...START.chess, prisms: 100, sheet: "ideal" };
 // Of each tour: what each step shows, what moves in it, from one value to another, the place of the window through which the knight stays to be seen,

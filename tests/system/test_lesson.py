@@ -54,7 +54,8 @@ def test_the_page_takes_every_setting(text, node):
             """(hash) => {
               fromHash(hash);
               const question = QUESTIONS[state.question];
-              return [{ ...state }, session.refusals, question && [question.name, ask(question)]];
+              const view = Object.keys(CAMERAS).find((name) => CAMERAS[name] === session.camera);
+              return [{ ...state, view }, session.refusals, question && [question.name, ask(question)]];
             }""",
             f"#{address}",
         )

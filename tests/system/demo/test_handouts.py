@@ -87,14 +87,25 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.wait_for_function("povgen.state.state.alpha === 90")  # after the link that was opened last
     page.reload()
     expect(lesson).to_have_text(re.compile(r"Stunde\s+11/14"))
-    lesson.get_by_role("button", name="Stunde: zurück").click()
+    expect(page.locator("input[type=range]:visible")).to_have_id("slider-z1")  # what the step is about
+    expect(page.get_by_text("Weit weg: Der Springer dreht sich um die Hälfte von α")).to_be_visible()
+    page.keyboard.press("PageUp")
     page.wait_for_function("povgen.questions.isAsked()")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+10/14"))
+    expect(page.locator("#next")).to_be_hidden()
+    expect(page.locator("#lesson-name")).to_be_hidden()
+    page.evaluate("povgen.address.fromHash('#level=expert&light=prism&view=side'); povgen.data.draw()")
+    assert "&view=side" in page.evaluate("povgen.address.toHash()")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+–/14"))
+    page.evaluate("document.getElementById('present').click()")
+    page.keyboard.press("PageDown")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+1/14"))
     page.get_by_role("button", name="Beenden").click()
     page.evaluate("povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
     page.evaluate(
         """async () => {
-          povgen.state.change({ alpha: 90, depth: true, large: true, compare: "none", image: true });
+          povgen.state.change({ sheet: "ideal", alpha: 90, depth: true, large: true, compare: "none", image: true });
           povgen.data.draw();
           await povgen.picture.otherView().ready;
         }"""
@@ -119,8 +130,16 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     right = abs(shown - free)[:, 500:]
     assert np.median(right) < 3  # right of the curtain there are no sheets
     assert (abs(shown[:, :460] - [255, 77, 240]).max(-1) < 60).sum() > 100  # the outline of the predicted image
+    assert page.locator(".measured:visible").count() == 2
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("#tasks").is_hidden()
+    page.emulate_media(media="screen")
+    page.evaluate("povgen.state.change({ sheet: 'single' }); window.printed = false")
+    page.get_by_role("button", name="Für Lehrkräfte").click()
+    panel.get_by_role("button", name="Aufgabenblatt drucken").click()
+    page.wait_for_function("window.printed")
+    page.emulate_media(media="print")
+    assert page.locator(".measured:visible").count() == 0  # it has no angle
     page.close()
 
 

@@ -103,6 +103,18 @@ def test_what_is_changed_is_said(page):
             assert page.evaluate("({ ...state })")[name] == value
     page.locator("#number-alpha").press("ArrowDown")
     assert page.evaluate("state.alpha") == 44
+    # in the event of the key, before the page is drawn: a screen reader speaks it then
+    said = """([name, value]) => {
+      const slider = $(`slider-${name}`);
+      slider.value = value;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+      return slider.getAttribute("aria-valuetext");
+    }"""
+    assert page.evaluate(said, ["alpha", 21]) == "21.0°"
+    show(page, sheet="ideal", E=[0, 0])
+    assert page.evaluate(said, ["z1", 0]) == "0.581 tiles"  # the least there
+    first, what = page.evaluate("heard(moment())")
+    assert first.startswith("z₁ is at least 0.581") and what.startswith("The knight appears turned by ")
 
 
 def test_arrow_keys_choose_the_next_sphere(page):

@@ -57,6 +57,11 @@ def test_the_focus_stays_where_something_opens_or_moves(page):
     expect(page.locator("#what-sheet")).to_be_focused()  # so it is spoken
     page.keyboard.press("Escape")
     expect(page.get_by_role("button", name="What is a sheet?")).to_be_focused()
+    page.locator("#tab-questions").press("Enter")
+    page.evaluate("draw()")
+    page.locator("#tab-questions").press("Tab")
+    expect(page.locator("#ask")).to_be_focused()
+    expect(page.locator("#prediction")).to_have_accessible_name(page.locator("#ask").text_content())
 
 
 def test_the_picture_is_described_in_words(page):
@@ -97,6 +102,7 @@ def test_the_light_and_the_curtain_are_spoken(page):
 def test_a_live_region_is_written_only_if_it_changes(page):
     page.get_by_role("tab", name="Measure").click()
     page.evaluate("draw()")
+    expect(page.locator("#readings")).to_be_empty()  # no point has been placed
     written = heard(page, "readings")
     page.evaluate("draw(); draw()")
     assert written() == []

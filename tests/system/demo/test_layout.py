@@ -122,6 +122,7 @@ def test_each_control_is_in_sight_on_top_and_large_enough(page, size):
 def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, language):
     """With the slider that matters for the sheet, and the buttons that choose it."""
     page.evaluate("$('share-open').click(); $('present').click()")
+    assert page.evaluate("document.activeElement.id") == "lesson-next"  # a space does not end it
     try:
         for size in ((1024, 768), (1280, 720), (1920, 1080)):
             resize(page, size)

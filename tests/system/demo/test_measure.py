@@ -95,8 +95,15 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     assert write.bounding_box() == before  # a click that takes the focus hits it
     write.press("Enter")
     expect(measure.locator("#spoken")).to_have_text("Row 1: ν = 18.4°, M = 0.95")
-    assert measure.evaluate("document.activeElement.id") == "point-C"
+    assert measure.evaluate("document.activeElement.id") == "write-down"
     measure.evaluate("draw()")
+    for change in ("", "change({ z1: 3 }); ", "$('put-on').click(); change({ z1: 2 }); "):
+        measure.evaluate(
+            f"{change}draw(); $('write-down').click()"
+        )  # the points are not where they would be placed now
+        expect(measure.locator("#spoken")).to_contain_text("First drag A, B and C onto the piece.")
+        assert measure.evaluate("rows.length") == 1
+        expect(measure.locator("#readings")).to_have_text(re.compile("^$" if change else "Angle 18.4°"))
     expect(measure.locator("#sentence")).to_be_empty()
     measure.get_by_role("button", name="Show the answer").press("Enter")
     expect(measure.locator("#sentence")).to_contain_text("turned by 18.4°")
@@ -123,7 +130,13 @@ def test_beginners_have_one_size(measure):
     expect(measure.locator(".symbol[value=M]")).to_have_text(re.compile("^Mark in the picture: size"))
     show(measure, level="expert")
     expect(measure.get_by_label("M in row 1")).to_have_value("1.2")
+    measure.evaluate("$('put-on').click(); draw()")
     expect(measure.locator("#readings")).to_contain_text("= 1.50, compared with the size in the window.")
+    show(measure, alpha=90, z1=6, level="simple")
+    write_down(measure, put=True)
+    expect(measure.locator("#readings")).to_contain_text("It appears 1.41 times as large")
+    expect(measure.get_by_label("size in row 2")).to_have_value("1.41")  # not twice the rounded M
+    assert measure.evaluate("csv()").split("\r\n")[1:] == ["ideal,,180,2,6,0,1.2,1.6", "ideal,,90,6,6,45,0.71,1.41"]
 
 
 def test_a_row_is_filled_by_hand_saved_and_removed(measure):
@@ -142,10 +155,10 @@ def test_a_row_is_filled_by_hand_saved_and_removed(measure):
         measure.get_by_role("button", name="Remove row 2").click()
     measure.get_by_label("ν in row 1").fill("14,5")
     measure.get_by_label("M in row 1").fill("")
-    assert measure.evaluate("csv()") == "sheets,N,alpha,z1,z2,nu,M\r\nideal,,60,2,6,14.5,"
+    assert measure.evaluate("csv()") == "sheets,N,alpha,z1,z2,nu,M,size\r\nideal,,60,2,6,14.5,,"
     measure.evaluate("choose('de')")
     # as its spreadsheets read it
-    assert measure.evaluate("csv()") == "sheets;N;alpha;z1;z2;nu;M\r\nideal;;60;2;6;14,5;"
+    assert measure.evaluate("csv()") == "sheets;N;alpha;z1;z2;nu;M;size\r\nideal;;60;2;6;14,5;;"
     measure.evaluate("choose('en'); draw()")
     with measure.expect_download() as download:
         measure.get_by_role("button", name="Save CSV").click()
@@ -211,6 +224,10 @@ def test_work_survives_the_page(browser, demo_file):
     kept = "[state.alpha, rows[0].M, work.votes.near[0][0], $('questions').querySelector('.student').value]"
     assert page.evaluate(kept) == [66, "0,9", 12, "Ada"]  # as with the answer
     expect(page.locator("#answer")).to_contain_text("Yes: counter-clockwise.")
+    expect(page.locator("#votes")).to_be_visible()
+    page.evaluate("povgen.look.present(true)")
+    expect(page.get_by_role("button", name="Votes of the class")).to_be_visible()
+    page.evaluate("povgen.look.present(false)")
     page.locator("#questions .kept").get_by_role("button", name="Delete").click()
     page.get_by_role("button", name="Keep them").click()
     assert page.evaluate("isEmpty()") is False
