@@ -168,9 +168,23 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
     expect(page.locator("#next")).to_be_in_viewport(ratio=1)
 
 
-def test_a_finger_that_scrolls_from_a_slider_changes_nothing(browser, demo_file):
+def test_a_finger_that_scrolls_from_a_slider_and_two_on_the_picture_change_nothing(browser, demo_file):
     page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
     upright, sideways = (390, 844), (740, 360)
+    # two fingers on the picture: what the first one has begun to drag is as it was, and the page does not scroll
+    resize(page, upright)
+    for hash_, y, begun in (
+        ("#z1=2", 150, 40),
+        ("#z1=2", 130, 15),
+        ("#light=aim", 150, 60),
+        ("#scene=spheres", 130, 15),
+    ):
+        page.evaluate("(hash) => { fromHash(hash); draw(); scrollTo(0, 250); }", hash_)
+        before = page.evaluate("({ ...state, top: scrollY })")
+        moved = ([(195 - x, y), (195 + x, y)] for x in (begun, 75, 110))
+        touch(page, [(195 - begun, y)], [(190 - begun, y)], *moved)
+        assert page.evaluate("({ ...state, top: scrollY })") == before, hash_
+    page.evaluate("fromHash('#z1=2.345')")
     page.evaluate("change({ compare: 'none' })")
     for size, slider, across, down, changes in (
         (upright, "slider-z1", 20, 0, True),
