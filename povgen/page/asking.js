@@ -139,9 +139,9 @@ export function drawQuestion() {
     $("ask").textContent = unbroken(ask(question));
     $("prediction").replaceChildren(...(question.match || question.goal ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
-    fills = fillsWindow(question);
     drawnQuestion = question;
     refused = "";
+    fills = fillsWindow(question);
   }
   $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });
   const tries = offered().map((k) => work.answers[QUESTIONS[k].name]?.first).filter((first) => typeof first === "boolean");

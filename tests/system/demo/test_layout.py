@@ -170,6 +170,7 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
 
 def test_a_finger_that_scrolls_from_a_slider_and_two_on_the_picture_change_nothing(browser, demo_file):
     page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
+    assert page.evaluate("say('page.hint')") == "Drag the object, or beside it to move your eye"  # by no keys
     upright, sideways = (390, 844), (740, 360)
     # two fingers on the picture: what the first one has begun to drag is as it was, and the page does not scroll
     resize(page, upright)
