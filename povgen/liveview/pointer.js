@@ -14,14 +14,23 @@ export function onArrows(part, moved) {
 }
 
 /** While a pointer holds a part, call what `pressed(event)` has returned with the pointer's way from where it was pressed, in pixels.
- * If it returns nothing, the pointer does not hold the part. `released(event)` is called at the end. Return a function: whether a
- * pointer holds the part.
+ * If it returns nothing, the pointer does not hold the part. `released(event)` is called at the end. A second finger, wherever it is,
+ * takes the drag back and ends it: its event is then a `pointerdown`. Return a function: whether a pointer holds the part.
  * @param {(event: PointerEvent) => ((way: number[], event: PointerEvent) => void) | undefined} pressed
  * @param {(event: PointerEvent) => void} released */
 export function onDrag(part, pressed, released = () => {}) {
   let held = null;
+  const release = (event) => {
+    held = null;
+    released(event);
+  };
+  addEventListener("pointerdown", (event) => {
+    if (!held || event.isPrimary) return;
+    held.moved([0, 0], event);
+    release(event);
+  }, true);
   part.addEventListener("pointerdown", (event) => {
-    const moved = event.button ? undefined : pressed(event);
+    const moved = event.button || !event.isPrimary ? undefined : pressed(event);
     if (!moved) return;
     held = { pointer: event.pointerId, start: [event.clientX, event.clientY], moved };
     part.setPointerCapture(event.pointerId);
@@ -31,9 +40,7 @@ export function onDrag(part, pressed, released = () => {}) {
   });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
     part.addEventListener(end, (event) => {
-      if (held?.pointer !== event.pointerId) return;
-      held = null;
-      released(event);
+      if (held?.pointer === event.pointerId) release(event);
     });
   }
   return () => held !== null;

@@ -7,10 +7,10 @@ import { keep, saveTable, work } from "./kept.js";
 import { percent, printed, say, typedNumber, unbroken } from "./language.js";
 import { compared, dashedOutline, matching, misfit, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask, choices, end, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why, worked } from "./questions.js";
+import { ask, choices, end, fillsWindow, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why, worked } from "./questions.js";
 import { change, LOOKER, OPENING, session, state, SWITCHES, WHOLE } from "./state.js";
 
-// Open a question with what the page shows before its answer. -1 goes back to what has been explored.
+// Open a question. -1 goes back to what has been explored.
 export function openQuestion(n) {
   if (n === state.question) return;
   kept = null;
@@ -20,7 +20,7 @@ export function openQuestion(n) {
   session.replaced = null;
   if (n >= 0) {
     session.lastQuestion = n;
-    askAnew(n);
+    showQuestion(n);
   } else {
     change({ ...session.explored, ...pick(state, ...LOOKER), question: -1 });
   }
@@ -31,12 +31,17 @@ export function openQuestion(n) {
 // Show a question as before its answer.
 export function askAnew(n) {
   const answer = work.answers[QUESTIONS[n].name];
-  endGlide();
   if (answer) answer.shown = false;
   keep();
+  showQuestion(n);
+}
+
+// Show a question, with its answer if that has been revealed.
+function showQuestion(n) {
+  endGlide();
   drawnQuestion = null;
   session.drawn = null;
-  change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...QUESTIONS[n].before, ...pick(state, ...LOOKER), question: n });
+  change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...(isRevealed(n) ? end(QUESTIONS[n]) : QUESTIONS[n].before), ...pick(state, ...LOOKER), question: n });
 }
 
 let refused = "";  // why what was typed is no answer
@@ -47,7 +52,8 @@ const made = () => /** @type {string | null} */ (new FormData($("question-form")
 // is done stays as it is.
 export function reveal(done = false) {
   const question = QUESTIONS[state.question];
-  const given = question.goal ? String(done) : question.match ? misfit(question) : made();
+  const isTried = done || Object.keys(question.match ?? {}).some((name) => state[name] !== question.before[name]);
+  const given = question.goal || question.match ? (isTried ? (done ? "true" : misfit(question)) : null) : made();
   session.drawn = question.match || question.goal ? null : session.dashed;
   work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
   keepOwn(question);
@@ -103,6 +109,7 @@ function glide(target) {
 // ---- The panel ----
 
 let drawnQuestion = null;
+let fills = false;  // whether a point of the piece fills the window at its end: no outline can say that
 /** @type {any} */
 let kept = null;  // a prediction and its question, while the panel is written anew
 const NOT_TURNED = ["single", "mirror", "lenticular"];  // sheets whose picture is not the object, turned and sized
@@ -135,6 +142,7 @@ export function drawQuestion() {
     if (isRevealed(n) && work.votes[question.name]) $("votes").hidden = false;
     drawnQuestion = question;
     refused = "";
+    fills = fillsWindow(question);
   }
   $("question-count").textContent = say("asking.count", { n: offered().indexOf(n) + 1, count: offered().length });
   const tries = offered().map((k) => work.answers[QUESTIONS[k].name]?.first).filter((first) => typeof first === "boolean");
@@ -148,7 +156,7 @@ export function drawQuestion() {
   $("other-questions").textContent = say(`asking.${question.own ? "to_page" : "to_link"}`);
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
-  aid("drawing").hidden = Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last);
+  aid("drawing").hidden = Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last) || fills;
   for (const button of document.querySelectorAll("#aids [aria-controls]")) {  // a part without its button could not be closed
     const part = $(button.getAttribute("aria-controls"));
     if (button.hidden || (button.dataset.level && state.level === "simple")) part.hidden = true;
@@ -290,7 +298,7 @@ export function answersTable() {
   const rows = worked().flatMap((question) => {
     const { first, given } = work.answers[question.name] ?? {}, [votes = [], again = []] = work.votes[question.name] ?? [];
     const row = (text, k, made) => [question.name, ask(question), text, Number(isRight(question, k)), votes[k], again[k], Number(made), made && first !== null ? Number(first) : undefined];
-    return choices(question)?.map((text, k) => row(text, String(k), given === String(k))) ?? [row(question.match ? String(given === "true") : given ?? "", given ?? "", Boolean(given))];
+    return choices(question)?.map((text, k) => row(text, String(k), given === String(k))) ?? [row(question.match && given ? String(given === "true") : given ?? "", given ?? "", Boolean(given))];
   });
   return [head, ...rows];
 }

@@ -50,7 +50,7 @@ let tapped = { time: -Infinity, at: [0, 0] };  // when and where the picture was
 
 function holdInPicture(event) {
   if (povray.shown || event.target.id === "curtain") return undefined;
-  const at = pointerAt(event, stage.getBoundingClientRect());
+  const at = pointerAt(event, stage.getBoundingClientRect()), before = { ...state };
   const what = underPointer(event, at, moment());
   const again = event.timeStamp - tapped.time < 350 && abs(minus(at, tapped.at)) < 24;
   tapped = { time: event.timeStamp, at };
@@ -63,7 +63,7 @@ function holdInPicture(event) {
   return hold(event, what, (way) => {
     const tiles = scaled(1 / tilePixels(), way);
     return what !== "L" ? tiles : objectStep(now, tiles);
-  });
+  }, null, before);
 }
 
 function holdInDiagram(event) {
@@ -73,13 +73,13 @@ function holdInDiagram(event) {
 }
 
 // While it is held, the pointer's way in pixels becomes a step of L or E in tiles.
-function hold(event, what, toTiles, map) {
+function hold(event, what, toTiles, map, before = { ...state }) {
   event.preventDefault();
   document.activeElement.blur();
   const handle = event.target.closest(".handle"), from = state[what];
-  if (handle?.dataset.moves === what) handle.focus();
+  if (handle?.dataset.moves === what) handle.focus({ preventScroll: true });  // it would lie behind the picture
   player.pause();
-  session.held = { what, from, map };
+  session.held = { what, map, before };
   document.body.classList.add("dragging");
   $("hint").hidden = true;
   return (way) => {
@@ -89,7 +89,8 @@ function hold(event, what, toTiles, map) {
 }
 
 function release({ type }) {
-  if (type === "pointercancel" && session.held) change({ [session.held.what]: session.held.from });  // the browser scrolls the page instead
+  // the browser scrolls the page instead, or there is a second finger
+  if (["pointercancel", "pointerdown"].includes(type) && session.held) change(session.held.before);
   session.held = null;
   document.body.classList.remove("dragging");
   refresh();

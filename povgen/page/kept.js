@@ -66,4 +66,6 @@ export function clear() {
 // A page that is opened asks its questions anew, as a second class needs it. One that is loaded again shows what it showed.
 take();
 const [opening] = globalThis.performance?.getEntriesByType("navigation") ?? [];
-if (/** @type {any} */ (opening)?.type === "navigate") for (const answer of Object.values(work.answers)) answer.shown = false;
+const how = /** @type {any} */ (opening)?.type;
+export const isReloaded = how === "reload";
+if (how === "navigate") for (const answer of Object.values(work.answers)) answer.shown = false;

@@ -7,6 +7,7 @@ import { data } from "./data.js";
 
 export const LANGUAGES = Object.keys(data.languages);
 
+const isTouched = globalThis.matchMedia?.("(pointer: coarse)").matches;
 let table, plurals, list, decimal;
 // the language that is chosen, and whether a user or an address has chosen it, not the browser
 export const spoken = { language: "", asked: false };
@@ -14,7 +15,8 @@ export const spoken = { language: "", asked: false };
 // Choose a language by its name, as "en".
 export function choose(language, asked = false) {
   Object.assign(spoken, { language, asked });
-  table = data.languages[language];
+  // keys are said only where something else than a finger points
+  table = JSON.parse(JSON.stringify(data.languages[language]).replace(/<keys>(.*?)<\/keys>/g, isTouched ? "" : "$1"));
   plurals = new Intl.PluralRules(table.locale);
   list = new Intl.ListFormat(table.locale);
   decimal = new Intl.NumberFormat(table.locale).formatToParts(1.5).find(({ type }) => type === "decimal").value;

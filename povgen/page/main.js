@@ -10,6 +10,7 @@ import { placeHandles } from "./handles.js";
 import { drawKept, page } from "./handouts.js";
 import { chooseUsual, say, SETTINGS, spoken } from "./language.js";
 import "./headset.js";
+import { inTab, isReloaded } from "./kept.js";
 import "./look.js";
 import { drawMeasure, drawRows } from "./measure.js";
 import { moment } from "./moment.js";
@@ -139,6 +140,8 @@ view.ready.then(() => {
   refresh();
   if (!view.gl) tour.leave();
 });
-if (document.body.classList.contains("begins") && !document.body.classList.contains("present")) tour.start();
+const left = isReloaded && inTab("tour");
+if (left) tour.start(...JSON.parse(left));
+else if (document.body.classList.contains("begins") && !document.body.classList.contains("present")) tour.start();
 refresh();
 if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => view.gl && ($("message").textContent = benchText(view)));

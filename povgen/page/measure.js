@@ -93,6 +93,8 @@ function lay({ place }, aside) {
   Object.assign(points, { A: place, B: plus(place, [0, abs(aside)]), C: plus(place, aside) });
 }
 
+$("reset").addEventListener("click", () => (shown = false));  // the points are laid anew
+
 // The ruler's marks: one each tenth of a tile.
 function ticks(from, to) {
   const way = minus(to, from), length = abs(way), aside = scaled(1 / length, [-way[1], way[0]]);

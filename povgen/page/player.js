@@ -118,7 +118,9 @@ export const player = {
     $("scrub").value = 1000 * this.part();
     $("scrub").setAttribute("aria-label", say("controls.scrub", { symbol: SYMBOL[parameter], start: quantity(parameter, start), stop: quantity(parameter, stop) }));
     $("scrub").setAttribute("aria-valuetext", quantity(parameter, x));
-    write("scrub-value", `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity(parameter, x) : brief(x)}`);
+    // beyond the movie's ends the slider does not stand where the value is
+    const isIn = Math.abs(this.value(this.part()) - state[parameter]) < 1e-6 * Math.abs(stop - start);
+    write("scrub-value", isIn ? `${SYMBOL[parameter]} = ${parameter === "alpha" ? quantity(parameter, x) : brief(x)}` : "");
   },
 };
 

@@ -48,6 +48,9 @@ export const MOMENTS = {
 };
 const computed = (question, when, name) => MOMENTS[when](question, (values) => quantityAt(name, values));
 
+// Whether the picture grows over the window, as at the pole.
+export const fillsWindow = (question) => computed(question, "end", "M") > 100;
+
 // The same as texts, for words in braces as {end.nu}.
 const textOf = (name, x) => (IN_DEGREES.includes(name) ? `${fixed(x, 1)}°` : name in SYMBOL ? briefly(name, x) : brief(name === "shift" ? Math.abs(x) : x));
 const numbers = (question) => Object.fromEntries(Object.keys(MOMENTS).map((when) =>

@@ -308,9 +308,8 @@ function zoomBy(factor) {
   refresh();
 }
 
-// Two fingers zoom: their distances count. Until both are lifted, the view does not turn.
+// Two fingers zoom: their distances count. They end a turn: liveview/pointer.js.
 const fingers = new Map();
-let pinched = false;
 const apart = () => {
   const [a, b] = fingers.values();
   return fingers.size === 2 ? abs(minus(a, b)) : 0;
@@ -321,12 +320,11 @@ for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]
     if (type === "pointerdown" || fingers.has(pointerId)) fingers.set(pointerId, [clientX, clientY]);
     if (type === "pointermove" && before) zoomBy(apart() / before);
     if (type === "pointerup" || type === "pointercancel") fingers.delete(pointerId);
-    pinched = fingers.size > 1 || (pinched && fingers.size > 0);
   });
 }
 onDrag($("space-turn"), () => {
   const [azimuth, elevation] = session.camera;
-  return ([right, up]) => pinched || turnTo([azimuth - right / 150, elevation - up / 150]);
+  return ([right, up]) => turnTo([azimuth - right / 150, elevation - up / 150]);
 });
 $("space-turn").addEventListener("wheel", (event) => {
   event.preventDefault();

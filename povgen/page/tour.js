@@ -5,6 +5,7 @@ import { radians } from "../liveview/geometry.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
 import { $, data, on, pick, refresh } from "./data.js";
+import { inTab } from "./kept.js";
 import { entry, isAngle, say } from "./language.js";
 import { view } from "./picture.js";
 import { player, reducedMotion } from "./player.js";
@@ -29,19 +30,20 @@ export const tour = {
     return this.intro ? TOURS[this.which].intro : this.steps[this.step];
   },
 
-  start(asked = false, which = 0) {
+  start(asked = false, which = 0, step = 0, intro = !asked) {
     player.pause();
     this.before ??= { state: { ...state }, measuring: session.measuring };
     session.measuring = false;
     rewriteQuestion();  // a prediction that has been made comes back with its question
     Object.assign(this, { asked, which, paused: reducedMotion.matches });
-    this.go(0, !asked);
+    this.go(step, intro);
   },
 
   go(n, intro = false) {
     if (n >= this.steps.length) return this.leave();
     const running = this.step >= 0;
     Object.assign(this, { step: n, intro });
+    inTab("tour", JSON.stringify([this.asked, this.which, n, intro]));  // a page that is loaded again goes on with this step
     this.passed = this.paused ? this.now.seconds : 0;  // who goes from step to step sees where each one ends
     [session.camera, session.zoom] = [CAMERAS.corner, 1];
     this.show();
@@ -97,6 +99,7 @@ export const tour = {
   leave(stay = false, kept = false) {
     if (this.step < 0) return;
     this.step = -1;
+    inTab("tour", "");
     session.twin = 0;
     if (!stay) session.measuring = this.before.measuring;
     if (!kept) change(stay ? pick(this.before.state, "light", "diagram", ...SWITCHES) : this.before.state);

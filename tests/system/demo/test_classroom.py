@@ -123,6 +123,14 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
         assert page.evaluate("state.alpha === QUESTIONS[state.question].before.alpha")
         predict(right)
         expect(answer).to_contain_text("Yes: ")
+    page.evaluate("openQuestion(1); draw()")  # with its answer
+    expect(answer).to_contain_text("Yes: ")
+    assert inputs.first.is_checked() and page.evaluate("state.alpha === end(QUESTIONS[1]).alpha")
+    outline = page.get_by_role("button", name="Predict by drawing")
+    expect(outline).to_be_visible()
+    page.evaluate("openQuestion(8); draw()")
+    expect(outline).to_be_hidden()  # one point fills the window
+    page.evaluate("for (const n of [0, 14, 20]) { openQuestion(n); reveal(); }")  # without a prediction
     page.evaluate("openQuestion(3); draw()")
     predict(0)
     expect(page.get_by_role("status").filter(has_text="1 of 4 right at the first try")).to_be_visible()

@@ -234,7 +234,7 @@ def test_a_swipe_that_scrolls_the_page_moves_nothing(page):
         """() => {
           const box = stage.getBoundingClientRect(), at = [box.left + 60, box.top + 60];
           const send = (type, step) => stage.dispatchEvent(new PointerEvent(type,
-            { pointerId: 1, bubbles: true, clientX: at[0], clientY: at[1] + step, buttons: 1 }));
+            { pointerId: 1, isPrimary: true, bubbles: true, clientX: at[0], clientY: at[1] + step, buttons: 1 }));
           stage.setPointerCapture = () => {};
           send("pointerdown", 0);
           send("pointermove", 8);

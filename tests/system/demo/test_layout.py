@@ -169,9 +169,24 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
     expect(page.locator("#next")).to_be_in_viewport(ratio=1)
 
 
-def test_a_finger_that_scrolls_from_a_slider_changes_nothing(browser, demo_file):
+def test_a_finger_that_scrolls_from_a_slider_and_two_on_the_picture_change_nothing(browser, demo_file):
     page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
+    assert page.evaluate("say('page.hint')") == "Drag the object, or beside it to move your eye"  # by no keys
     upright, sideways = (390, 844), (740, 360)
+    # two fingers on the picture: what the first one has begun to drag is as it was, and the page does not scroll
+    resize(page, upright)
+    for hash_, y, begun in (
+        ("#z1=2", 150, 40),
+        ("#z1=2", 130, 15),
+        ("#light=aim", 150, 60),
+        ("#scene=spheres", 130, 15),
+    ):
+        page.evaluate("(hash) => { fromHash(hash); draw(); scrollTo(0, 250); }", hash_)
+        before = page.evaluate("({ ...state, top: scrollY })")
+        moved = ([(195 - x, y), (195 + x, y)] for x in (begun, 75, 110))
+        touch(page, [(195 - begun, y)], [(190 - begun, y)], *moved)
+        assert page.evaluate("({ ...state, top: scrollY })") == before, hash_
+    page.evaluate("fromHash('#z1=2.345')")
     page.evaluate("change({ compare: 'none' })")
     for size, slider, across, down, changes in (
         (upright, "slider-z1", 20, 0, True),
@@ -212,22 +227,23 @@ def test_the_eye_follows_a_phone_that_is_tilted(page):
 
 
 def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
-    """On a phone, also in the guided start, and beside a question. What would be too small can be enlarged."""
+    """On a phone, also in the guided start, and beside a question. The buttons and the sliders stay where they are."""
     resize(page, (1280, 800))
     show(page, question=1, level="simple")
     assert page.locator("#space-turn").bounding_box()["height"] > 150
     resize(page, (1366, 768))
     page.evaluate("work.answers.parallax = { given: '0', first: false, shown: true }; work.rows.length = 0")
-    show(page, question=6)
+    show(page, question=6, level="simple")
     page.evaluate("draw()")
-    expect(page.locator("#space-turn")).to_be_hidden()
+    assert page.locator("#space-turn").bounding_box()["height"] > 80
     expect(page.locator("#show-large")).to_be_in_viewport(ratio=1)
-    page.evaluate("work.answers = {}; $('tab-measure').click(); draw()")
+    page.evaluate("work.answers = {}; change({ level: 'expert' }); $('tab-measure').click(); draw()")
     expect(page.locator("#move-first")).to_be_visible()
     for _ in range(4):  # rows
         page.evaluate("$('put-on').click(); draw(); $('write-down').click(); draw(); draw()")
     expect(page.locator("#plot-nu")).to_be_in_viewport(ratio=1)
-    expect(page.locator("#show-large")).to_be_in_viewport(ratio=1)
+    for part in ("#space-turn", "#show-large"):  # the graphs need the room
+        expect(page.locator(part)).to_be_hidden()
     page.evaluate("rows.splice(0); session.measuring = false; $('number-alpha').focus(); draw()")
     dimmed = "[...document.querySelectorAll('#space .q')].filter((part) => getComputedStyle(part).opacity < 1).length"
     assert page.evaluate(dimmed) == 0  # while a number is typed, nothing looks disabled
@@ -240,10 +256,18 @@ def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
       .filter((each) => each.checkVisibility() && [...each.childNodes].some(({ data }) => data?.trim()))
       .filter((each) => parseFloat(getComputedStyle(each).fontSize) < 14.5).map((each) => each.outerHTML)"""
     assert page.evaluate(small) == []
+    sliders = []
+    for alpha in (0, 66):  # the sentence has two lines, and three
+        show(page, alpha=alpha)
+        sliders += bounds(page, "#row-alpha")
+    assert sliders[0] == sliders[1]
     page.evaluate("tour.start(); draw()")
-    leave, shows = bounds(page, "#tour-leave", ".shows")
+    text, shows, *buttons = bounds(page, "#tour-text", ".shows", "#tour-next", "#tour-leave")
+    assert shows["top"] - text["bottom"] < 40
+    for step in (5, 8, 9):
+        page.evaluate("(step) => { tour.go(step); tour.paused = !tour.paused; draw(); }", step)
+        assert bounds(page, "#tour-next", "#tour-leave") == buttons
     page.evaluate("tour.leave(); draw()")
-    assert shows["top"] - leave["bottom"] < 40
 
 
 def test_a_question_scrolls_its_panel_but_not_the_page(page):

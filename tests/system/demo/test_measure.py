@@ -6,7 +6,7 @@ import pytest
 from conftest import NAMES
 from playwright.sync_api import expect
 
-from demo.conftest import opened, show
+from demo.conftest import centre, opened, show
 
 
 @pytest.fixture
@@ -47,6 +47,9 @@ def test_the_protractor_measures_angle_and_length(measure):
     measure.evaluate("draw()")
     expect(said).to_contain_text("Angle 42.0°")
     assert measure.evaluate("({ ...state })") == before  # neither eye nor object has moved
+    measure.evaluate("$('reset').click(); draw()")
+    foot = complex(*measure.evaluate("moment().place"))
+    assert centre(measure, "#point-A") == pytest.approx(foot, abs=0.01)  # as at first
 
 
 def test_what_is_measured_lies_on_the_curve(measure):

@@ -21,6 +21,8 @@ def test_presets_play_loop_stop_and_scrub(page):
     assert page.evaluate("state.z1") == pytest.approx(7.2**0.5)  # midway between 0.6 and 12 by ratio
     page.evaluate("draw()")
     expect(page.locator("#scrub-value")).to_have_text("z₁ = 2.68")
+    show(page, z1=20)  # it is not in the movie
+    expect(page.locator("#scrub-value")).to_be_empty()
     page.get_by_role("button", name="Stop").click()
     assert page.evaluate("[state.z1, player.playing]") == [0.6, False]
     page.evaluate("player.seek(0.99)")

@@ -61,6 +61,10 @@ def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_f
         expect(page.locator("#sentence")).to_be_visible()
         expect(page.locator("#spoken")).to_have_text("The guided start has ended.")
         start.press("Enter")
+    page.evaluate("tour.go(8)")
+    page.reload()
+    page.wait_for_function("povgen.tour.tour.step === 8 && povgen.tour.tour.asked")
+    page.evaluate(NAMES)
     page.evaluate("tour.leave(); choose('de', true); draw()")
     expect(page.locator("#spoken")).to_be_empty()  # what was spoken in another language
     page.close()
