@@ -123,7 +123,7 @@ def test_questions_are_predicted_and_revealed(page):
     """Every other prediction is wrong. Each button that has gone leaves the focus to another."""
     page.get_by_role("tab", name="Questions").click()
     page.emulate_media(reduced_motion="reduce")
-    asked = """QUESTIONS.map((each, at) => (each.goal ? null : [at, each.answer(), Boolean(each.match), each.tolerance]))
+    asked = """QUESTIONS.map((each, at) => !each.goal && [at, each.answer(), Boolean(each.match), each.tolerance])
       .filter(Boolean)"""
     questions, count = page.evaluate(f"[{asked}, QUESTIONS.length]")
     reveal, answer = page.get_by_role("button", name="Reveal"), page.locator("#answer")
