@@ -23,10 +23,12 @@ export function explanation(now) {
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
 
-// What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken first.
+// What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken first, and
+// alone if it was typed: then nothing has changed.
 export function heard(now) {
   const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
-  return limits.length ? [...limits, ...(isToBeFound() ? [] : [seen(now)])] : [...mountains(now), explanation(now), pointsSaid(now), ...light];
+  if (limits.length) return [...limits, ...(session.refusals.length || isToBeFound() ? [] : [seen(now)])];
+  return [...mountains(now), explanation(now), pointsSaid(now), ...light];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });

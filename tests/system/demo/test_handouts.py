@@ -189,7 +189,7 @@ def test_for_a_projector_a_question_is_beside_the_picture(page):
     small = page.evaluate(size)
     page.get_by_role("button", name="More").click()
     page.get_by_role("button", name="Present").click()
-    expect(page.get_by_role("button", name="Leave", exact=True)).to_be_focused()
+    expect(page.locator("#lesson-next")).to_be_focused()
     assert page.evaluate(size) > max(24, 1.3 * small)
     for part, seen in (("#ask", True), ("#reveal", True), ("#stage", True), (".slider", False), (".player", False)):
         expect(page.locator(part).first).to_be_visible(visible=seen)
@@ -309,7 +309,7 @@ def test_a_photo_is_seen_behind_the_window(page, tmp_path):
     page.locator("#photo").set_input_files({"name": "room.jpg", "mimeType": "image/jpeg", "buffer": data.getvalue()})
     page.wait_for_function("Boolean(view.sky)")
     assert colours_beside(page) == ["red", "floor"]
-    page.get_by_label("floor").uncheck()
+    page.get_by_role("checkbox", name="floor").uncheck()
     assert colours_beside(page) == ["red", "blue"]
     page.evaluate("tour.start(true); draw()")
     assert page.evaluate("[view.sky, session.floor]") == [None, True]  # it speaks of mountains
