@@ -11,7 +11,7 @@ from pathlib import Path
 from secrets import token_hex
 
 from povgen.errors import InputError, shown
-from povgen.stopping import removed
+from povgen.stopping import lock, removed
 
 PREFIX = "povgen-"  # of the names of temporary folders; those of unfinished files also begin with a dot
 NO_ROOM = errno.ENOSPC, errno.EDQUOT, errno.EFBIG  # of a disk, of a user's quota, and of ulimit -f
@@ -115,7 +115,8 @@ def temporary_folder(parent: Path | None = None) -> Iterator[Path]:
     folder = parent / f"{PREFIX}{token_hex(8)}"
     with removed(folder, shutil.rmtree):
         try:
-            folder.mkdir(mode=0o700)
+            with lock:  # not after a signal has ended povgen
+                folder.mkdir(mode=0o700)
             yield folder
         except OSError as error:
             if error.errno in NO_ROOM:

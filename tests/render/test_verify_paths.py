@@ -4,7 +4,7 @@ import pytest
 from conftest import some
 
 from povgen import Chess, Floor, Piece, Room, Window, fit
-from povgen.measure import verify_paths
+from povgen.measure import part, verify_paths
 
 ERRORS = {"facets": 0.5, "pitches": 0.02, "turn": 1, "tilt_x": 3, "far_tilt_y": -2, "seed": 3}
 TILTED = Window(
@@ -41,6 +41,6 @@ def test_a_part_makes_the_picture_of_the_scene(scene):
 
 
 def test_another_part_does_not(monkeypatch):
-    part = verify_paths.part
-    monkeypatch.setattr(verify_paths, "part", lambda scene, *given: part(scene.replace(alpha=55), *given))
+    right = part.part
+    monkeypatch.setattr(part, "part", lambda scene, *given: right(scene.replace(alpha=55), *given))
     assert not verify_paths.solids(SCENES[0]).holds
