@@ -152,10 +152,9 @@ export class LiveView extends Schedule {
   // Read the distance fields of the other pieces, one after the other: the browser draws in between.
   async loadRest({ grid, pieces }) {
     const { names, fields } = this.shapes;
-    for (let left = names.length; left; left--) {
+    const next = () => this.unread ?? names.findIndex((_, k) => !fields[k]);
+    for (let k = next(); k >= 0; k = next()) {
       await new Promise((done) => setTimeout(done));
-      const k = this.unread ?? names.findIndex((_, n) => !fields[n]);
-      if (k < 0) break;
       fields[k] = await field(pieces[names[k]], grid);
       if (this.gl && !this.gl.isContextLost()) this.context.fillVolume(k);
     }

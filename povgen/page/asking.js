@@ -53,7 +53,8 @@ const made = () => /** @type {string | null} */ (new FormData($("question-form")
 export function reveal(done = false) {
   const question = QUESTIONS[state.question];
   const isTried = done || Object.keys(question.match ?? {}).some((name) => state[name] !== question.before[name]);
-  const given = question.goal || question.match ? (isTried ? (done ? "true" : misfit(question)) : null) : made();
+  const found = () => (question.match ? misfit(question) : String(done));
+  const given = question.goal || question.match ? (isTried ? found() : null) : made();
   session.drawn = question.match || question.goal ? null : session.dashed;
   work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
   keepOwn(question);

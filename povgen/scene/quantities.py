@@ -243,17 +243,24 @@ def _uncertainty(scene: AxialScene) -> float:
 
 QUANTITIES = {
     "x": Quantity(
-        lambda scene: _position(scene).real, "tiles", "where the eye sees the object, in the plane z = 0", True, True
+        lambda scene: _position(scene).real,
+        "tiles",
+        "where the eye sees the object, in the plane z = 0",
+        stacks=True,
+        in_rooms=True,
     ),
-    "y": Quantity(lambda scene: _position(scene).imag, "tiles", "the same, upwards", True, True),
+    "y": Quantity(lambda scene: _position(scene).imag, "tiles", "the same, upwards", stacks=True, in_rooms=True),
     "nu": Quantity(
-        lambda scene: scene.nu_and_M(scene.distances[0])[0], "degrees", "the angle by which it appears turned", True
+        lambda scene: scene.nu_and_M(scene.distances[0])[0],
+        "degrees",
+        "the angle by which it appears turned",
+        stacks=True,
     ),
-    "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification", True),
+    "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification", stacks=True),
     "uncertainty": Quantity(
         _uncertainty, "tiles", "by how much x and y can be wrong, because of the finite size of the prisms"
     ),
-    "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0", True, True),
+    "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0", stacks=True, in_rooms=True),
     "seen_x": Quantity(
         lambda scene: traced_image(scene).position.real, "tiles", "x by the ray trace, on the designed path"
     ),

@@ -41,7 +41,7 @@ FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly
 LONGEST_GIF = 655.35
 MOST_GIF = 2 * 10**9  # pixels; Pillow holds one byte for each in memory
 # The codec, the format of pixels that it is given, and its options. A keyframe every 6 frames lets players seek to any
-# frame at once. H.264 has one quantiser for all frames: with others, fine stripes that stand still change at keyframes.
+# frame at once. One quantiser for all frames of H.264: otherwise fine stripes that stand still change at keyframes.
 # libwebp itself makes YUV of the colours of a WebP file.
 FORMATS = {
     ".mp4": ("libx264", "yuv420p", f"-qp 21 -g 6 -bf 0 {BT709} -movflags +faststart"),
