@@ -77,7 +77,7 @@ ROOM = Room(
 def test_the_view_shows_a_room_as_opengl_and_its_eye_moves(browser):
     view = View(browser, ROOM)
     view.page.evaluate("povgen.scheduling.PACE.RAYS = 1")  # at rest, in place of 64
-    figures = list(verify_live.same([(view, OpenGLView(ROOM))], (80, 60)))
+    figures = list(verify_live.same([(view, OpenGLView(ROOM))], (48, 36)))
     assert all(figure.holds for figure in figures), figures
     view.page.set_viewport_size({"width": 400, "height": 300})
     view.page.mouse.move(200, 200)
@@ -95,7 +95,7 @@ def test_the_view_shows_a_room_as_opengl_and_its_eye_moves(browser):
     then = moved.scene
     assert then.window[0].alpha == -30 and then.window[1] == ROOM.window[1] and then.object == ROOM.object
     view.page.evaluate("(faces) => povgen.main.view.set({ faces })", max_trace_level(then))
-    ours, theirs = OpenGLView(then).readout((80, 60)), view.readout((80, 60))
+    ours, theirs = OpenGLView(then).readout((48, 36)), view.readout((48, 36))
     assert (abs(ours["ray"] - theirs["ray"]).max(-1) < 1e-4).mean() > 0.999
     for wrong in ({"eye": {"z": 0}}, {"eye": 5}, {"alphas": ["x", 3]}, {"alphas": 3}):
         moved._move(wrong)  # inside a window, or nonsense
