@@ -4,7 +4,7 @@ import { hasPiece } from "../liveview/presets.js";
 import { coded, fromHash, ownQuestion, settings } from "./address.js";
 import { $, element, on, pick, refresh, write } from "./data.js";
 import { keep, saveTable, work } from "./kept.js";
-import { percent, printed, say, typedNumber, unbroken } from "./language.js";
+import { entry, percent, printed, say, typedNumber, unbroken } from "./language.js";
 import { compared, dashedOutline, matching, misfit, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
 import { ask, choices, end, fillsWindow, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why, worked } from "./questions.js";
@@ -157,7 +157,8 @@ export function drawQuestion() {
   $("other-questions").textContent = say(`asking.${question.own ? "to_page" : "to_link"}`);
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
-  aid("drawing").hidden = Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last) || fills;
+  const isOfMountains = Boolean(entry(`questions.${question.name}.says`));
+  aid("drawing").hidden = isOfMountains || Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last) || fills;
   for (const button of document.querySelectorAll("#aids [aria-controls]")) {  // a part without its button could not be closed
     const part = $(button.getAttribute("aria-controls"));
     if (button.hidden || (button.dataset.level && state.level === "simple")) part.hidden = true;

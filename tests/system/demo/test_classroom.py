@@ -130,6 +130,10 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
     expect(outline).to_be_visible()
     page.evaluate("openQuestion(8); draw()")
     expect(outline).to_be_hidden()  # one point fills the window
+    page.evaluate("openQuestion(2); draw()")
+    expect(outline).to_be_hidden()  # the mountains have none
+    spoken = page.evaluate("reveal(); endGlide(); heard(moment())")
+    assert len([text for text in spoken if "mountains" in text]) == 1
     page.evaluate("for (const n of [0, 14, 20]) { openQuestion(n); reveal(); }")  # without a prediction
     page.evaluate("openQuestion(3); draw()")
     predict(0)
