@@ -208,11 +208,13 @@ def test_the_examples_of_usage_run(tmp_path):
 
 
 def test_movies_are_specs():
-    """The complete movie of docs/adding.md sweeps alpha."""
-    toml = [block for kind, block in blocks(PROJECT / "docs" / "adding.md") if kind == "toml"]
-    (side,) = (MovieSpec.parse(block, "adding.md") for block in toml)
-    said = {(scene.alpha, text[:3]) for scene, text in zip(side.scenes("draft"), side.texts("draft"), strict=True)}
-    assert (90, "α =") in said and {text for alpha, text in said if alpha < 60} == {"sky"}
+    """The movie of docs/adding.md: the eye moves away, and a note says what it sees at first."""
+    page = (PROJECT / "docs" / "adding.md").read_text()
+    (text,) = re.findall(r"(?ms)near-and-far\.toml <<'END'\n(.*?)^END$", page)
+    movie = MovieSpec.parse(text, "adding.md")
+    said = list(zip((scene.z2 for scene in movie.scenes("draft")), movie.texts("draft"), strict=True))
+    first, last = said[0], said[-1]
+    assert first == (pytest.approx(3), "the eye is near: the king turns more") and last == (pytest.approx(12), "")
 
 
 @pytest.mark.release
@@ -225,8 +227,6 @@ def test_adding_adds(tmp_path, environment):
     shutil.copytree(PROJECT, tmp_path / "povgen", symlinks=True, ignore=unwanted)
     environment["PYTHONPATH"] = str(tmp_path / "povgen")
     for kind, block in blocks(PROJECT / "docs" / "adding.md"):
-        if kind == "toml":
-            continue
         done = subprocess.run(
             [*(["bash", "-euo", "pipefail"] if kind == "bash" else [sys.executable]), "-c", smaller(block)],
             cwd=tmp_path / "povgen",
