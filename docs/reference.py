@@ -1,13 +1,15 @@
 """Write docs/reference.md, tables that are made from the code: `python docs/reference.py`."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from importlib import import_module
-from inspect import getdoc, isclass
+from inspect import getdoc
+from itertools import chain
 from pathlib import Path
 
 import click
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 import povgen
 from povgen.cli.app import COMMANDS
@@ -37,7 +39,7 @@ OPTIONS = """
 
 `povgen COMMAND --help` lists those of a command. In Python and in TOML files a parameter has the option's name, with
 `_` in place of `-`. In parentheses: the defaults. `--no-NAME` is the opposite of a switch. An option with … can be
-repeated.
+repeated. `--output` is the file or the folder to write.
 """
 KINDS = """
 ## Sheets
@@ -49,8 +51,8 @@ passes only where z of the new direction, divided by its length, is above 1e-6.
 OF_OBJECTS = """
 ## Objects
 
-[Rooms](rooms.md) says how to use them. The eye is the table `[eye]`, a window `[[window]]`, with the parameters of
-its sheet, an object `[[object]]` with its `kind`.
+[Rooms](rooms.md) says how to use them, and `povgen list` what each parameter is. In Python they are the classes `Eye`,
+`Window`, `Box` and so on. A window also has the parameters of its sheet. Lengths are in tiles, turns in degrees.
 """
 OF_QUANTITIES = """
 ## Quantities
@@ -61,13 +63,22 @@ path.
 MOVIES = """
 ## Movie files
 
-The keys of [a movie's TOML file](adding.md#a-movie), and of its tables `[[sweep]]` and `[[notes]]`.
+The keys of [a movie's TOML file](adding.md#a-movie), and of its tables `[[sweep]]` and `[[notes]]`. An option of
+`povgen movie` replaces a value of the file.
 """
 PYTHON = """
 ## Python
 
-The public names of `povgen`. `help(povgen.Chess)` has the parameters. [The site](website.md) has every docstring.
+The public names of `povgen`, beside [the objects](#objects). `help(povgen.Chess)` has the parameters.
+[The site](website.md) has every docstring.
 """
+# of a room
+PARTS: dict[str, type[BaseModel]] = {
+    "`[eye]`": Eye,
+    "every object and window": Placed,
+    "`[[window]]`": Window,
+    **{f"`{name}`": kind for name, kind in OBJECTS.items()},
+}
 
 
 def table(heads: str, rows: Iterable[Iterable[str]]) -> str:
@@ -97,9 +108,11 @@ def options() -> str:
     for group, rows in groups.items():
         described = ([mark(flag, about), about.removesuffix(AGAIN)] for flag, about in rows.items())
         text += f"\n### {group}\n\n" + table("option | what it is", described)
+    said = {"--output", *chain.from_iterable(groups.values())}
     rest = (
         [mark(flag, about), ", ".join(names), about.removesuffix(AGAIN)]
         for (flag, about), names in sorted(others.items())
+        if flag not in said
     )
     return f"{text}\n### Of commands\n\n" + table("option | of | what it does", rest)
 
@@ -125,20 +138,24 @@ def sheets() -> str:
 
 
 def objects() -> str:
-    """Return the table of what stands in a room, and of its parameters."""
-    parts: dict[str, type[BaseModel]] = {"the eye": Eye, "every object and window": Placed, "a window": Window}
-    parts |= {f"`{name}`": kind for name, kind in OBJECTS.items()}
+    """Return the table of what stands in a room, and of its parameters, with their defaults."""
 
-    def rows() -> Iterator[list[str]]:
-        for title, part in parts.items():
-            shared = {} if part in (Eye, Placed) else {**Placed.model_fields, **PARAMETERS}
-            for name, field in part.model_fields.items():
-                if name not in shared:
-                    default = "" if field.is_required() or field.default in (None, "") else f"`{field.default}`"
-                    yield [title, f"`{name}`", field.description or "", default]
-                    title = ""  # stands once
+    def stated(name: str, field: FieldInfo) -> str:
+        return f"`{name}`" + f" (`{field.default}`)" * (not field.is_required() and field.default not in (None, "", 0))
 
-    return f"{OF_OBJECTS}\n" + table("of | parameter | it is | default", rows())
+    rows = (
+        [
+            title,
+            (getdoc(part) or "").partition("\n\n")[0],
+            ", ".join(
+                stated(name, field)
+                for name, field in part.model_fields.items()
+                if part in (Eye, Placed) or name not in {**Placed.model_fields, **PARAMETERS}
+            ),
+        ]
+        for title, part in PARTS.items()
+    )
+    return f"{OF_OBJECTS}\n" + table("of | it is | parameters (defaults, if not 0)", rows)
 
 
 def quantities() -> str:
@@ -152,9 +169,9 @@ def movies() -> str:
     """Return the table of the keys of a movie's file."""
     parts = {"": MovieSpec, "`[[sweep]]`": Sweep, "`[[notes]]`": PartNote}
     rows = (
-        [title, f"`{name}`", field.description or ""]
+        [title * (k == 0), f"`{name}`", field.description or ""]  # the title stands once
         for title, part in parts.items()
-        for name, field in part.model_fields.items()
+        for k, (name, field) in enumerate(part.model_fields.items())
     )
     return f"{MOVIES}\n" + table("in | key | it is", rows)
 
@@ -164,11 +181,11 @@ def python() -> str:
 
     def about(value: object) -> str:
         first = " ".join((getdoc(value) or "").partition("\n\n")[0].split())
-        if isclass(value) and issubclass(value, Placed):
-            return first  # it says which point of the object its place is
         return first.partition(". ")[0].removesuffix(".").removeprefix("Return ")
 
-    rows = ([f"`{name}`", about(getattr(povgen, name))] for name in povgen.__all__ if not name.startswith("_"))
+    names = (name for name in povgen.__all__ if not name.startswith("_"))
+    values = {name: value for name in names if (value := getattr(povgen, name)) not in PARTS.values()}
+    rows = ([f"`{name}`", about(value)] for name, value in values.items())
     return f"{PYTHON}\n" + table("name | it is", rows)
 
 
