@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterable
 from importlib import import_module
 from inspect import getdoc
-from itertools import chain
 from pathlib import Path
 
 import click
@@ -32,14 +31,14 @@ HEAD = """# Reference
 
 `make docs/reference.md` writes this page from the code: [options](#options), [sheets](#sheets), [objects](#objects),
 [quantities](#quantities), [movie files](#movie-files), [Python](#python). [Terms and signs](terms.md) defines the
-symbols. *The paper* is Hamilton, Sundar, Nelson and Courtial, Local light-ray rotation (2009).
+symbols. *The paper*: [credits](credits.md).
 """
 OPTIONS = """
 ## Options
 
-`povgen COMMAND --help` lists those of a command. In Python and in TOML files a parameter has the option's name, with
-`_` in place of `-`. In parentheses: the defaults. `--no-NAME` is the opposite of a switch. An option with … can be
-repeated. `--output` is the file or the folder to write.
+In Python and in TOML files a parameter has the option's name, with `_` in place of `-`. In parentheses: the defaults.
+`--no-NAME` is the opposite of a switch. An option with … can be repeated. `povgen COMMAND --help` lists those of a
+command, and also says what [its own options](#of-commands) do.
 """
 KINDS = """
 ## Sheets
@@ -57,8 +56,7 @@ OF_OBJECTS = """
 OF_QUANTITIES = """
 ## Quantities
 
-For [`povgen.results`](rays.md#many-scenes), of the scene's first object. `seen_` is by the ray trace, on the designed
-path.
+For [`povgen.results`](rays.md#many-scenes), of the scene's first object.
 """
 MOVIES = """
 ## Movie files
@@ -94,27 +92,22 @@ def mark(flag: str, about: str) -> str:
 
 
 def options() -> str:
-    """Return the tables of options: a table for each heading of the help, and one of those of few commands."""
+    """Return the tables of options: a table for each heading of the help, and the names of the others by command."""
     groups: dict[str, dict[str, str]] = {}
-    others: dict[tuple[str, str], list[str]] = {}
+    others: dict[str, list[str]] = {}
     for name in COMMANDS:
         for option in import_module(f"povgen.cli.commands.{name}").command.params:
             if isinstance(option, FieldOption):
                 rows = groups.setdefault(option.group.partition(",")[0], {})
                 rows[option.opts[0]] = max(rows.get(option.opts[0], ""), option.help or "", key=len)
             elif isinstance(option, click.Option):
-                others.setdefault((option.opts[-1], option.help or ""), []).append(name)
+                others.setdefault(f"`povgen {name}`", []).append(mark(option.opts[-1], option.help or ""))
     text = OPTIONS
     for group, rows in groups.items():
         described = ([mark(flag, about), about.removesuffix(AGAIN)] for flag, about in rows.items())
         text += f"\n### {group}\n\n" + table("option | what it is", described)
-    said = {"--output", *chain.from_iterable(groups.values())}
-    rest = (
-        [mark(flag, about), ", ".join(names), about.removesuffix(AGAIN)]
-        for (flag, about), names in sorted(others.items())
-        if flag not in said
-    )
-    return f"{text}\n### Of commands\n\n" + table("option | of | what it does", rest)
+    rest = ([name, ", ".join(flags)] for name, flags in others.items())
+    return f"{text}\n### Of commands\n\n" + table("command | its own options", rest)
 
 
 def sheets() -> str:
