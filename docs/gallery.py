@@ -10,8 +10,7 @@ PAGE, README = PROJECT / "docs" / "gallery.md", PROJECT / "README.md"
 WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
-Below each picture is its command: add a size and `-o FILE`. `make gallery` renders all pictures but the last ones,
-`make docs/gallery/pieces.png` one.
+Below each picture is its command: add a size and `-o FILE`.
 """
 # the last sections: what `make figures` renders, and the movies
 TAIL = """

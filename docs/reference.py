@@ -1,13 +1,14 @@
 """Write docs/reference.md, tables that are made from the code: `python docs/reference.py`."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from importlib import import_module
-from inspect import getdoc, isclass
+from inspect import getdoc
 from pathlib import Path
 
 import click
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 import povgen
 from povgen.cli.app import COMMANDS
@@ -30,14 +31,14 @@ HEAD = """# Reference
 
 `make docs/reference.md` writes this page from the code: [options](#options), [sheets](#sheets), [objects](#objects),
 [quantities](#quantities), [movie files](#movie-files), [Python](#python). [Terms and signs](terms.md) defines the
-symbols. *The paper* is Hamilton, Sundar, Nelson and Courtial, Local light-ray rotation (2009).
+symbols. *The paper*: [credits](credits.md).
 """
 OPTIONS = """
 ## Options
 
-`povgen COMMAND --help` lists those of a command. In Python and in TOML files a parameter has the option's name, with
-`_` in place of `-`. In parentheses: the defaults. `--no-NAME` is the opposite of a switch. An option with … can be
-repeated.
+In Python and in TOML files a parameter has the option's name, with `_` in place of `-`. In parentheses: the defaults.
+`--no-NAME` is the opposite of a switch. An option with … can be repeated. `povgen COMMAND --help` lists those of a
+command, and also says what [its own options](#of-commands) do.
 """
 KINDS = """
 ## Sheets
@@ -49,25 +50,33 @@ passes only where z of the new direction, divided by its length, is above 1e-6.
 OF_OBJECTS = """
 ## Objects
 
-[Rooms](rooms.md) says how to use them. The eye is the table `[eye]`, a window `[[window]]`, with the parameters of
-its sheet, an object `[[object]]` with its `kind`.
+[Rooms](rooms.md) says how to use them, and `povgen list` what each parameter is. In Python they are the classes `Eye`,
+`Window`, `Box` and so on. A window also has the parameters of its sheet. Lengths are in tiles, turns in degrees.
 """
 OF_QUANTITIES = """
 ## Quantities
 
-For [`povgen.results`](rays.md#many-scenes), of the scene's first object. `seen_` is by the ray trace, on the designed
-path.
+For [`povgen.results`](rays.md#many-scenes), of the scene's first object.
 """
 MOVIES = """
 ## Movie files
 
-The keys of [a movie's TOML file](adding.md#a-movie), and of its tables `[[sweep]]` and `[[notes]]`.
+The keys of [a movie's TOML file](adding.md#a-movie), and of its tables `[[sweep]]` and `[[notes]]`. An option of
+`povgen movie` replaces a value of the file.
 """
 PYTHON = """
 ## Python
 
-The public names of `povgen`. `help(povgen.Chess)` has the parameters. [The site](website.md) has every docstring.
+The public names of `povgen`, beside [the objects](#objects). `help(povgen.Chess)` has the parameters.
+[The site](website.md) has every docstring.
 """
+# of a room
+PARTS: dict[str, type[BaseModel]] = {
+    "`[eye]`": Eye,
+    "every object and window": Placed,
+    "`[[window]]`": Window,
+    **{f"`{name}`": kind for name, kind in OBJECTS.items()},
+}
 
 
 def table(heads: str, rows: Iterable[Iterable[str]]) -> str:
@@ -83,25 +92,22 @@ def mark(flag: str, about: str) -> str:
 
 
 def options() -> str:
-    """Return the tables of options: a table for each heading of the help, and one of those of few commands."""
+    """Return the tables of options: a table for each heading of the help, and the names of the others by command."""
     groups: dict[str, dict[str, str]] = {}
-    others: dict[tuple[str, str], list[str]] = {}
+    others: dict[str, list[str]] = {}
     for name in COMMANDS:
         for option in import_module(f"povgen.cli.commands.{name}").command.params:
             if isinstance(option, FieldOption):
                 rows = groups.setdefault(option.group.partition(",")[0], {})
                 rows[option.opts[0]] = max(rows.get(option.opts[0], ""), option.help or "", key=len)
             elif isinstance(option, click.Option):
-                others.setdefault((option.opts[-1], option.help or ""), []).append(name)
+                others.setdefault(f"`povgen {name}`", []).append(mark(option.opts[-1], option.help or ""))
     text = OPTIONS
     for group, rows in groups.items():
         described = ([mark(flag, about), about.removesuffix(AGAIN)] for flag, about in rows.items())
         text += f"\n### {group}\n\n" + table("option | what it is", described)
-    rest = (
-        [mark(flag, about), ", ".join(names), about.removesuffix(AGAIN)]
-        for (flag, about), names in sorted(others.items())
-    )
-    return f"{text}\n### Of commands\n\n" + table("option | of | what it does", rest)
+    rest = ([name, ", ".join(flags)] for name, flags in others.items())
+    return f"{text}\n### Of commands\n\n" + table("command | its own options", rest)
 
 
 def sheets() -> str:
@@ -125,20 +131,24 @@ def sheets() -> str:
 
 
 def objects() -> str:
-    """Return the table of what stands in a room, and of its parameters."""
-    parts: dict[str, type[BaseModel]] = {"the eye": Eye, "every object and window": Placed, "a window": Window}
-    parts |= {f"`{name}`": kind for name, kind in OBJECTS.items()}
+    """Return the table of what stands in a room, and of its parameters, with their defaults."""
 
-    def rows() -> Iterator[list[str]]:
-        for title, part in parts.items():
-            shared = {} if part in (Eye, Placed) else {**Placed.model_fields, **PARAMETERS}
-            for name, field in part.model_fields.items():
-                if name not in shared:
-                    default = "" if field.is_required() or field.default in (None, "") else f"`{field.default}`"
-                    yield [title, f"`{name}`", field.description or "", default]
-                    title = ""  # stands once
+    def stated(name: str, field: FieldInfo) -> str:
+        return f"`{name}`" + f" (`{field.default}`)" * (not field.is_required() and field.default not in (None, "", 0))
 
-    return f"{OF_OBJECTS}\n" + table("of | parameter | it is | default", rows())
+    rows = (
+        [
+            title,
+            (getdoc(part) or "").partition("\n\n")[0],
+            ", ".join(
+                stated(name, field)
+                for name, field in part.model_fields.items()
+                if part in (Eye, Placed) or name not in {**Placed.model_fields, **PARAMETERS}
+            ),
+        ]
+        for title, part in PARTS.items()
+    )
+    return f"{OF_OBJECTS}\n" + table("of | it is | parameters (defaults, if not 0)", rows)
 
 
 def quantities() -> str:
@@ -152,9 +162,9 @@ def movies() -> str:
     """Return the table of the keys of a movie's file."""
     parts = {"": MovieSpec, "`[[sweep]]`": Sweep, "`[[notes]]`": PartNote}
     rows = (
-        [title, f"`{name}`", field.description or ""]
+        [title * (k == 0), f"`{name}`", field.description or ""]  # the title stands once
         for title, part in parts.items()
-        for name, field in part.model_fields.items()
+        for k, (name, field) in enumerate(part.model_fields.items())
     )
     return f"{MOVIES}\n" + table("in | key | it is", rows)
 
@@ -164,11 +174,11 @@ def python() -> str:
 
     def about(value: object) -> str:
         first = " ".join((getdoc(value) or "").partition("\n\n")[0].split())
-        if isclass(value) and issubclass(value, Placed):
-            return first  # it says which point of the object its place is
         return first.partition(". ")[0].removesuffix(".").removeprefix("Return ")
 
-    rows = ([f"`{name}`", about(getattr(povgen, name))] for name in povgen.__all__ if not name.startswith("_"))
+    names = (name for name in povgen.__all__ if not name.startswith("_"))
+    values = {name: value for name in names if (value := getattr(povgen, name)) not in PARTS.values()}
+    rows = ([f"`{name}`", about(value)] for name, value in values.items())
     return f"{PYTHON}\n" + table("name | it is", rows)
 
 

@@ -186,18 +186,14 @@ class MovieSpec(Model):
         default=0,
         description="how much longer the first picture, the last one and that at `via` are shown, 0 to 10 seconds",
     )
-    overlay: bool = Field(default=False, description="whether the movie's file has the overlay; options can change it")
-    note: Note = Field(
-        default="", description="a text added to the caption, up to 80 letters, Latin or Greek; options can change it"
-    )
+    overlay: bool = Field(default=False, description="whether the movie's file has the overlay")
+    note: Note = Field(default="", description="a text added to the caption, up to 80 letters, Latin or Greek")
     notes: tuple[PartNote, ...] = Field(
         default=(),
         description="texts in place of the note, each during a part of the movie; a table [[notes]] for each. Where "
         "several overlap, the last one counts",
     )
-    side_view: bool = Field(
-        default=False, description="whether the movie's file has the side view; options can change it"
-    )
+    side_view: bool = Field(default=False, description="whether the movie's file has the side view")
     loop: bool = Field(default=False, description="whether the movie goes there and back, so that it can be repeated")
     fixed: dict[str, object] = Field(
         default={},
