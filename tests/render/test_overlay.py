@@ -474,6 +474,12 @@ def refused_letter(letter):
     return False
 
 
+def test_a_letter_between_two_points_stands_beside_their_line():
+    picture = np.full((200, 200, 3), 120, np.uint8)
+    overlay._letter(picture, "P", 90 + 100j, [40 + 100j, 160 + 100j])
+    assert np.flatnonzero((picture != 120).any((1, 2))).min() > 100
+
+
 @pytest.mark.parametrize(
     ("scene", "letters"),
     [
