@@ -20,7 +20,7 @@ GALLERY := docs/gallery/rotation.webp $(filter-out %/rotation.png,$(patsubst %.t
 # those of the worksheet
 PRINTED := $(addprefix docs/worksheet/,free.png far.png near.png)
 # these compare scenes side by side
-PANELS := $(filter-out %/page.png %.webp,$(GALLERY))
+PANELS := $(filter-out %/page.png %.webp,$(GALLERY)) $(addprefix docs/light/,white.png polarised.png)
 # without volumes.xz: a checkout may leave it older than the templates, and it takes long to make
 SOURCES := $(shell find povgen templates -type f -not -path '*/__pycache__/*' -not -name volumes.xz)
 READY := $(VENV)/ready
@@ -88,7 +88,7 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 	{ echo "# The figures of the paper"; echo; cat docs/figures/figure?.md; } > docs/figures/README.md
 	rm docs/figures/figure?.md
 
-gallery: $(GALLERY) $(PRINTED) docs/tolerances/errors.png docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/worksheet.md and docs/tolerances.md
+gallery: $(GALLERY) $(PANELS) docs/light/irradiance.png $(PRINTED) docs/tolerances/errors.png docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/light.md, docs/worksheet.md and docs/tolerances.md
 
 $(PRINTED): ARGUMENTS = frame chess --piece king --view 2.6 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
 docs/worksheet/free.png: SHOWS = --sheet none --z1 6
@@ -97,13 +97,15 @@ docs/worksheet/near.png: SHOWS = --sheet ideal --alpha 90 --z1 2
 $(PRINTED): $(SOURCES) | $(READY)
 	@mkdir -p $(@D)
 	$(POVGEN) $(ARGUMENTS) -o $@
-$(PANELS): docs/gallery/%.png: docs/panels.py $(SOURCES) | $(VENV)/charts-ready
-	$(VENV)/bin/python docs/panels.py $* -o $@
+$(PANELS): docs/panels.py $(SOURCES) | $(VENV)/charts-ready $(VENV)/gl-ready gl-deps
+	$(VENV)/bin/python docs/panels.py $(basename $(@F)) -o $@
+docs/light/irradiance.png: docs/light.md docs/pictures.py | $(VENV)/charts-ready
+	$(VENV)/bin/python docs/pictures.py $< -o $(@D)
 docs/gallery/rotation.webp: docs/first_picture.py $(SOURCES) | $(VENV)/gl-ready gl-deps
 	$(VENV)/bin/python docs/first_picture.py -o $@
-# what the page shows until it can draw: the first picture of its guided start (INTRO in povgen/page/tour.js)
+# what the page shows until it can draw: the first picture of its guided start (povgen/page/tours/start.toml)
 povgen/page/poster.webp: | $(READY)
-	$(POVGEN) frame chess --quality high --sheet ideal --alpha 90 --piece knight --piece knight --x 0 --x 3.1 --z1 3 --z1 3 \
+	$(POVGEN) frame chess --quality high --sheet ideal --alpha 90 --piece knight --piece knight --x 0 --x 3 --z1 3 --z1 3 \
 	  --size 720x540 -o $(@:webp=png)
 	$(VENV)/bin/python -c "from PIL import Image; Image.open('$(@:webp=png)').convert('RGB').save('$@', quality=45, method=6)"
 	rm $(@:webp=png)

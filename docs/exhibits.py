@@ -80,8 +80,9 @@ def address(scene: Scene, shown: Sequence[str]) -> str:
         return ""
     values: dict[str, object] = {"scene": type(scene).name, "sheet": scene.sheet}
     values |= {name: getattr(scene, name) for name in ("alpha", "z2", "prisms", "piece") if hasattr(scene, name)}
+    values["L"] = f"{scene.L.real:g},{scene.L.imag:g}"
     if isinstance(scene, Chess):
-        values |= {"z1": scene.distances[0], "L": f"{scene.L.real:g},{scene.L.imag:g}"}
+        values["z1"] = scene.distances[0]
     if scene.sheet in ALL_KINDS:
         names = [each.name for each in ALL_KINDS[scene.sheet].parameters if each.name not in KEPT]
         values |= {name: getattr(scene, name) for name in names}

@@ -1,5 +1,5 @@
 """Make the README's first picture: two equal knights, one seen through the ideal sheet, for a full turn of alpha, and
-one beside the window: `... -o FILE.webp`.
+one beside the window: `... -o FILE.webp`. Alpha stands below the window.
 
 It begins where the knight is turned, because where nothing moves the first frame is shown."""
 
@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from povgen import Chess, render
+from povgen.video.text import write
 
 SIZE = 800, 450  # pixels
 FIRST, STEP, RATE = 90, 3, 15  # degrees, degrees a frame, frames a second
+LETTERS = 22  # height of the text, pixels
 QUALITY = 45  # of the file, which is to be below 1.5 MB
 
 
@@ -22,6 +24,8 @@ def main(output: Path, alphas: Sequence[int]) -> None:
     scenes = [Chess(sheet="ideal", alpha=alpha, **twins) for alpha in alphas]
     # of many rays a pixel: without noise, they take fewer bytes
     first, *others = map(Image.fromarray, render(scenes, size=SIZE, renderer="gl", antialias="4x"))
+    for image, alpha in zip((first, *others), alphas, strict=True):
+        write(ImageDraw.Draw(image), 0.44 * SIZE[0], SIZE[1] - LETTERS / 2, f"α = {alpha}°", LETTERS, edge=2)
     # without the blocks that ffmpeg's encoder leaves in the sky at this size of the file
     look: dict[str, Any] = {"quality": QUALITY, "method": 6, "duration": round(1000 / RATE), "loop": 0}
     first.save(output, save_all=True, append_images=others, **look)

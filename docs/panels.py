@@ -1,8 +1,9 @@
-"""Make a picture of the gallery that compares scenes side by side: `python docs/panels.py NAME -o FILE.png`."""
+"""Make a picture that compares scenes side by side: `python docs/panels.py NAME -o FILE.png`."""
 
 from argparse import ArgumentParser
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,18 +11,24 @@ from PIL import Image, ImageDraw
 
 from povgen import Chess, Scene, Spheres, render
 from povgen.paper import agreement
+from povgen.rendering.light import mixed
+from povgen.scene.camera import window
 from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.captions import Caption
 from povgen.video.overlay import Item, annotated, legend, strip
 from povgen.video.side import side_view
-from povgen.video.text import DARK, STRIP, text_width, write
+from povgen.video.text import DARK, STRIP, TEXT, text_width, write
 
-SIZE, WIDE = (480, 480), (968, 480)  # of a panel, and of a picture with one, pixels
+SIZE, WIDE = (480, 480), (968, 410)  # of a panel, and of a picture with one, pixels
 VIEW = 3.5  # tiles
-TIMES = 5  # how many times larger the magnified part is
+PART, TIMES = 36, 5  # side of the part that is magnified, pixels, and how many times larger it is
 GAP = 8  # between two panels, pixels
-LETTERS = 22  # height of the text on a picture, pixels
+LETTERS = 24  # height of the text on a picture and below it, pixels
+FINER = 4  # lines are drawn on a grid of pixels that is finer by this factor, for smooth edges
+ORANGE = (213, 94, 0)
+LEADER = ("white", 5), (DARK, 2)  # colours and widths of a line from a name to a place
+Point = tuple[float, float]  # of a picture, pixels
 Picture = NDArray[np.uint8]
 
 
@@ -30,21 +37,26 @@ class Panel(NamedTuple):
 
     scene: Scene
     text: str
-    line: tuple[complex, complex] | None = None
-    names: dict[str, tuple[complex, complex]] = {}  # the middle of each, and where the line from it ends
-    magnify: bool = False
+    line: Sequence[complex] = ()
+    dashes: Sequence[Sequence[complex]] = ()  # the ends of each
+    names: Mapping[str, tuple[complex, ...]] = {}  # the middle of each, and where the line from it ends, if it has one
+    magnify: complex | None = None  # the middle of the part that is shown larger, at the left
     overlay: bool = False
     side_view: bool = False  # below all panels
     section: str = ""  # what the section of a prism, drawn at the lower left, says of the top face
+    brighter: float = 1  # what is in the window
     size: tuple[int, int] = SIZE
 
 
 CHESS = Chess(view=VIEW)
 FAR = CHESS.replace(alpha=90, z1=15)
-LINE = Spheres(alpha=120, view=VIEW)
+ASIDE = CHESS.replace(x=-0.6)  # from E, so that the knight hides neither E nor the curves
+LINE = Spheres(alpha=120, view=VIEW, line=(-0.7, 0.45), eye=(0.65, 0.45), z1=[6 * 2.0**n for n in range(-3, 4)])
+ENDS = {"near": (LINE.L - 0.42 - 0.3j,), "far": (LINE.E + 0.45 - 0.3j,)}
+# where the circle's other points are: a sphere would have to stand at a negative z1
+REST = LINE.L + (LINE.E - LINE.L) / (1 + np.exp(1j * np.radians(LINE.alpha)) / np.tan(np.linspace(-1.5, -0.07, 28)))
 ACROSS = (-1.4 + 0j, 1.4 + 0j)  # at the height of the eye
-MIRROR = {"mirror line": (0.9 + 0.25j, 0.9 + 0.03j)}
-BUILT = Chess(alpha=66, z1=10, z2=10, view=3.4)
+BUILT = Chess(alpha=66, z1=10, z2=10, view=1.9)  # the middle of the window
 FINE = CHESS.replace(z1=2.5)
 PREDICTED = CHESS.replace(predicted_image=True)
 OUTLINED = CHESS.replace(alpha=40, direct_image=True)
@@ -52,21 +64,43 @@ EMPTY = {"sheet": "none", "window": "sheet=none,z=2"}
 TWO = CHESS.replace(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1))
 PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
 PIECES = Chess(
-    sheet="none", piece=[*PLACES], x=[*PLACES.values()], z1=8, aperture=5, pedestal=0.8, eye=(0, 0.66), view=1.8
+    sheet="none",
+    piece=[*PLACES],
+    x=[*PLACES.values()],
+    z1=8,
+    aperture=5,
+    pedestal=0.8,
+    eye=(0, 0.66),
+    view=1.54,
+    look=(0, -0.09),
 )
+WHITE = Chess(
+    z1=8,
+    z2=8,
+    color="white",
+    floor="none",
+    pedestal=0.3,
+    background="black",
+    view=2.5,
+    look=(-0.15, -0.05),
+    glass="N-SF11",
+    wavelength="white",
+)
+DOVE = WHITE.replace(prisms=500)
+POLARISED = CHESS.replace(prisms=60)
 
 
 def measured(scene: Chess) -> str:
     """Return by how much the piece is turned: measured, and as predicted for these sheets."""
     (found,) = agreement.pieces([scene])
     sheets = "ideal sheet" if scene.sheet == "ideal" else "100 prisms"
-    return f"{sheets}: turned by {found.nu:.1f}°, predicted {scene.nu_and_M(scene.z1)[0]:.1f}°"
+    return f"{sheets}: turned {found.nu:.1f}°, predicted {scene.nu_and_M(scene.z1)[0]:.1f}°"
 
 
 PANELS: dict[str, list[Panel]] = {
     "prisms": [
         Panel(Chess(prisms=12, z1=2.5), "α = 66°: 12 prisms in each sheet"),
-        Panel(FINE, "100 prisms", magnify=True),
+        Panel(FINE, "100 prisms", names={"stray light": (-0.93 + 1.24j, -1.1 + 0.5j)}, magnify=0.05 - 0.69j),
         Panel(FINE.replace(sheet="ideal"), "infinitely many: the ideal sheet"),
     ],
     "prediction": [
@@ -74,12 +108,12 @@ PANELS: dict[str, list[Panel]] = {
         Panel(PREDICTED.replace(sheet="ideal"), "measured"),
     ],
     "single": [
-        Panel(CHESS.replace(sheet="none"), "without a sheet", ACROSS, MIRROR),
+        Panel(CHESS.replace(sheet="none"), "without a sheet", ACROSS),
         Panel(
             CHESS.replace(sheet="single"),
             "one sheet: what is far is upside down",
             ACROSS,
-            MIRROR,
+            names={"mirror line": (0.9 + 0.25j, 0.9 + 0.03j)},
         ),
     ],
     "black-tops": [
@@ -87,33 +121,41 @@ PANELS: dict[str, list[Panel]] = {
         Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black top"),
     ],
     "ideal": [
-        Panel(CHESS.replace(sheet="none"), "without sheets", overlay=True),
-        Panel(CHESS.replace(sheet="ideal"), "α = 66°: the foot appears where curves cross", overlay=True),
+        Panel(ASIDE.replace(sheet="none"), "without sheets", overlay=True),
+        Panel(ASIDE.replace(sheet="ideal"), "α = 66°: foot where the curves cross", overlay=True),
     ],
     "real-image": [
         Panel(CHESS.replace(sheet="none"), "without sheets"),
         Panel(CHESS.replace(sheet="ideal", alpha=180), "α = 180°: rays meet in front of the sheets", side_view=True),
     ],
     "imaging": [
-        Panel(TWO.replace(**EMPTY), "two windows without sheets"),
-        Panel(TWO, "each window turns rays by α = 120°", side_view=True),
+        Panel(TWO.replace(**EMPTY), "two windows without sheets", names={"window 2": (0.3 + 0.9j, 0.3 + 1.25j)}),
+        Panel(
+            TWO, "each window turns rays by α = 120°", names={"window 2": (-0.75 + 0.9j, -1.1 + 1.36j)}, side_view=True
+        ),
     ],
     "far": [
-        Panel(FAR.replace(sheet="none"), "without sheets", ACROSS, {"horizon": (-1.1 + 0.25j, -1.1 + 0.03j)}),
+        Panel(FAR.replace(sheet="none"), "without sheets", ACROSS, names={"horizon": (-1.1 + 0.25j, -1.1 + 0.03j)}),
         Panel(
             FAR.replace(sheet="ideal"),
             "α = 90°: the horizon is vertical",
             (-1.4j, 1.4j),
-            {"horizon": (0.55 - 1.1j, 0.03 - 1.1j)},
+            names={"horizon": (0.55 - 1.1j, 0.03 - 1.1j)},
         ),
     ],
     "spheres": [
-        Panel(LINE.replace(sheet="none"), "without sheets: spheres on a line", overlay=True),
-        Panel(LINE.replace(sheet="ideal"), "α = 120°: they appear on a circle", overlay=True),
+        Panel(LINE.replace(sheet="none"), "without sheets: spheres on a line", names=ENDS, overlay=True),
+        Panel(
+            LINE.replace(sheet="ideal"),
+            "α = 120°: they appear on a circle",
+            dashes=REST.reshape(-1, 2),
+            names=ENDS,
+            overlay=True,
+        ),
     ],
     "refraction": [
         Panel(OUTLINED.replace(sheet="ideal"), "light turned by 40°"),
-        Panel(OUTLINED.replace(sheet="refraction", ratio=0.5), "and refracted, index behind / in front 0.5: smaller"),
+        Panel(OUTLINED.replace(sheet="refraction", ratio=0.5), "also refracted, index ratio 0.5: smaller"),
     ],
     "pieces": [
         Panel(
@@ -122,44 +164,63 @@ PANELS: dict[str, list[Panel]] = {
     ],
     "lenticular": [
         Panel(BUILT.replace(prisms=150), "Dove prisms, α = 66°: sharp"),
-        Panel(BUILT.replace(sheet="lenticular", lenses=150), "cylindrical lenses, f/3, same pitch: blurred"),
+        Panel(BUILT.replace(sheet="lenticular", lenses=150), "cylindrical lenses, f/3: blurred"),
         Panel(
             BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
-            "cylindrical lenses, f/6: sharper, with ghosts",
-            names={"ghost of the floor": (-0.55 - 1.2j, -0.9 - 0.55j)},
+            "lenses, f/6: sharper, but with ghosts",
+            names={"ghost of the floor": (-0.4 - 0.8j, -0.7 - 0.4j)},
         ),
+    ],
+}
+# the pictures of docs/light.md
+OTHERS: dict[str, list[Panel]] = {
+    "white": [
+        Panel(
+            WHITE.replace(sheet="lenticular", lenses=500, f_number=6),
+            "lenses: blurred, colour fringes, ghosts",
+            names={"ghost": (-1 + 0.75j, -0.55 + 0.65j), "another ghost": (-0.85 - 1.1j, -0.55 - 0.85j)},
+        ),
+        Panel(DOVE, "Dove prisms: sharp"),
+        Panel(DOVE, "only stray light is coloured", names={"stray light": (0.5 + 0.6j, 0.02 + 0.6j)}, brighter=8),
+    ],
+    "polarised": [
+        Panel(POLARISED, "no polarisers"),
+        Panel(POLARISED.replace(polariser=0, analyser=0), "parallel, 0° and 0°"),
+        Panel(POLARISED.replace(polariser=0, analyser=90), "crossed, 0° and 90°: mostly stray light", brighter=8),
     ],
 }
 
 
-def panel(shown: Panel) -> Picture:
-    """Return the scene's picture with its caption and what is drawn on it."""
+def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
+    """Return the scene's picture with its caption and what is drawn on it. `look` are options of `render`."""
     scene = shown.scene
     width, height = shown.size
 
-    def pixels(z: complex) -> tuple[float, float]:
+    def pixels(z: complex) -> Point:
+        z -= scene.middle
         return width / 2 + z.real * height / scene.view, height / 2 - z.imag * height / scene.view
 
-    if shown.magnify:
-        large = Image.fromarray(render(scene, size=(TIMES * width, TIMES * height), antialias="off"))
-        image = large.reduce(TIMES)
-        _magnified(image, large)
-    else:
-        plain = scene.replace(predicted_image=False) if isinstance(scene, Chess) else scene
-        image = Image.fromarray(render(plain, size=shown.size, quality="high"))
-    draw = ImageDraw.Draw(image)
+    plain = scene.replace(predicted_image=False) if isinstance(scene, Chess) else scene
+    picture = render(plain, size=shown.size, **look)
+    if shown.brighter != 1:
+        opening = window(scene, shown.size)
+        picture[opening] = mixed([picture[opening]], [shown.brighter * np.eye(3)])
+    image = Image.fromarray(picture)
+    if shown.brighter != 1:
+        _name(image, f"{shown.brighter} × brighter", (0.75 * width, 2 * LETTERS))
     if shown.line:
-        ends = [pixels(z) for z in shown.line]
-        draw.line(ends, fill="white", width=6)
-        draw.line(ends, fill=(213, 94, 0), width=3)
+        _lines(image, [[*map(pixels, shown.line)]], ("white", 6), (ORANGE, 3))
+    _lines(image, [[*map(pixels, ends)] for ends in shown.dashes], *LEADER)
     if shown.section:
-        _section(draw, shown.section)
-    for name, (place, end) in shown.names.items():
-        _name(draw, name, pixels(place), pixels(end))
-    text = measured(shown.scene.replace(predicted_image=False)) if shown.text == "measured" else shown.text
+        _section(image, shown.section)
+    if shown.magnify is not None:
+        _magnify(image, scene.replace(view=scene.view * PART / height, look=shown.magnify), pixels(shown.magnify), look)
+    for name, places in shown.names.items():
+        _name(image, name, *map(pixels, places))
+    text = measured(plain) if shown.text == "measured" else shown.text
     texts = [text] if text else []
-    made = annotated(np.asarray(image), scene, _rendering(shown), Caption(texts, texts))
-    return made[len(_key(shown, width)) :]
+    caption = Caption(texts, texts, LETTERS / (TEXT * height))
+    return annotated(np.asarray(image), scene, _rendering(shown), caption, said=[])
 
 
 def _rendering(shown: Panel) -> Rendering:
@@ -171,56 +232,62 @@ def _key(shown: Panel, width: int) -> Picture:
     return strip([Item(text, text, colour) for text, colour in legend(shown.scene, _rendering(shown))], width, SIZE[1])
 
 
-def _name(draw: ImageDraw.ImageDraw, name: str, middle: tuple[float, float], end: tuple[float, float]) -> None:
-    """Write a name on a picture, with a line from its upper or lower edge, or from its side, to a place, in pixels."""
+def _lines(image: Image.Image, lines: Sequence[Sequence[Point]], *strokes: tuple[Any, float]) -> None:
+    """Draw lines with smooth edges. Each stroke, a colour and a width, lies on those before."""
+    for colour, width in strokes:
+        mask = Image.new("L", (FINER * image.width, FINER * image.height))
+        draw = ImageDraw.Draw(mask)
+        for line in lines:
+            draw.line([(FINER * x, FINER * y) for x, y in line], fill=255, width=round(FINER * width), joint="curve")
+        image.paste(colour, mask=mask.reduce(FINER))
+
+
+def _name(image: Image.Image, name: str, middle: Point, end: Point | None = None) -> None:
+    """Write a name on a picture, with a line from its upper or lower edge, or from its side, to an `end`."""
     (x, y), half = middle, LETTERS * text_width(name) / 2
-    reach = np.array((half + 5, 0.6 * LETTERS))
-    start = np.clip(np.subtract(end, middle), -reach, reach) + middle
-    if middle != end:
-        for colour, width in (("white", 5), (DARK, 2)):
-            draw.line([tuple(start), end], fill=colour, width=width)
-    write(draw, x - half, y, name, LETTERS, edge=2)
+    if end:
+        reach = np.array((half + 5, 0.6 * LETTERS))
+        start = np.clip(np.subtract(end, middle), -reach, reach) + middle
+        _lines(image, [[tuple(start), end]], *LEADER)
+    write(ImageDraw.Draw(image), x - half, y, name, LETTERS, edge=2)
 
 
-def _section(draw: ImageDraw.ImageDraw, text: str) -> None:
+def _section(image: Image.Image, text: str) -> None:
     """Draw the section of a Dove prism, with the light's path, at the lower left of a picture."""
     left, right, top, base = 38, 178, 396, 438
     slant = base - top  # the facets have 45 degrees
-    draw.rectangle([left - 14, top - 40, right + 14, base + 14], fill=(95, 104, 118))
-    corners = [(left, base), (left + slant, top), (right - slant, top), (right, base)]
+    draw = ImageDraw.Draw(image)
+    draw.rectangle([left - 14, top - 44, right + 14, base + 14], fill=(95, 104, 118))
+    corners: list[Point] = [(left, base), (left + slant, top), (right - slant, top), (right, base)]
     draw.polygon(corners, fill=(150, 175, 200))
     y, middle = base - slant / 3, (left + right) / 2  # where light meets the facets, and the base
-    draw.line(
-        [(left - 14, y), (left + base - y, y), (middle, base), (right - base + y, y), (right + 14, y)],
-        fill=(213, 94, 0),
-        width=3,
-    )
-    draw.line(corners[1:3], fill="black" if text.startswith("black") else "white", width=6)
-    write(draw, middle - 16 * text_width(text) / 2, top - 20, text, 16)
+    path = [(left - 14, y), (left + base - y, y), (middle, base), (right - base + y, y), (right + 14, y)]
+    _lines(image, [path], (ORANGE, 3))
+    _lines(image, [corners[1:3]], ("black" if text.startswith("black") else "white", 6))
+    write(draw, middle - LETTERS * text_width(text) / 2, top - 24, text, LETTERS)
 
 
-def _magnified(image: Image.Image, large: Image.Image) -> None:
-    """Show a small part of a picture, from its larger copy, at the lower left, and label a patch of stray light."""
-    left, top, side = 226, 316, 34
-    bottom, right = SIZE[1] - 10, 10 + TIMES * side
+def _magnify(image: Image.Image, part: Chess, middle: Point, look: Mapping[str, Any]) -> None:
+    """Show a small part of a picture larger, rendered for its size, at the left edge."""
+    (x, y), half, large = middle, PART / 2, PART * TIMES
+    left, top = 10, round(y - large / 2)
+    sides = [[(x - half, y + way * half), (left + large, y + way * large / 2)] for way in (-1, 1)]
+    _lines(image, sides, (DARK, 5), ("white", 2))
     draw = ImageDraw.Draw(image)
-    draw.line([(left, top), (10, bottom - TIMES * side)], fill="white", width=2)
-    draw.line([(left + side, top + side), (right, bottom)], fill="white", width=2)
-    draw.rectangle([left - 2, top - 2, left + side + 1, top + side + 1], outline="white", width=2)
-    box = [TIMES * x for x in (left, top, left + side, top + side)]
-    image.paste(large.crop(box), (10, bottom - TIMES * side))
-    draw.rectangle([8, bottom - TIMES * side - 2, right + 1, bottom + 1], outline="white", width=2)
-    _name(draw, "stray light", (112, 70), (90, 170))
+    draw.rectangle([x - half, y - half, x + half, y + half], outline="white", width=2)
+    draw.rectangle([left - 2, top - 2, left + large + 1, top + large + 1], fill="white")
+    image.paste(Image.fromarray(render(part, size=(large, large), **look)), (left, top))
 
 
 def main() -> None:
     """Write the picture."""
     parser = ArgumentParser()
-    parser.add_argument("name", choices=PANELS)
+    parser.add_argument("name", choices=[*PANELS, *OTHERS])
     parser.add_argument("-o", dest="output", type=Path, required=True)
     given = parser.parse_args()
-    panels = PANELS[given.name]
-    pictures = [panel(each) for each in panels]
+    panels = {**PANELS, **OTHERS}[given.name]
+    look = {"quality": "high"} if given.name in PANELS else {"renderer": "gl", "antialias": "4x"}
+    pictures = [panel(each, look) for each in panels]
     gap = np.full((len(pictures[0]), GAP, 3), STRIP, np.uint8)
     parts = [pictures[0], *(part for picture in pictures[1:] for part in (gap, picture))]
     joined = np.concatenate(parts, axis=1)

@@ -256,15 +256,16 @@ def _overlay(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
     """
     height = len(picture)
     tile = height / scene.view
-    # lines are thinner if there are several objects: these can be small, and as near to each other as a line is wide
-    thick = max(height / 180, 1.5) * (0.6 if len(scene.objects) > 1 else 1)
+    # smaller if there are several objects: these can be small, and as near to each other as a line is wide
+    several = len(scene.objects) > 1
+    thick = max(height / 180, 1.5) * (0.6 if several else 1)
     step = max(0.5, np.sqrt(0.2 * thick))  # pixels between discs, which then look like a smooth line
 
     def pixels(points: Complexes) -> Complexes:
         return _pixels(points, scene, picture)
 
     curves = [(pixels(np.concatenate([*parts, []])), colour) for parts, colour in loci(scene, step / tile)]
-    _discs(picture, np.concatenate([[], *(points for points, _ in curves)]), 0.9 * thick, HALO)
+    _discs(picture, np.concatenate([[], *(points for points, _ in curves)]), 1.2 * thick, HALO)
     for points, colour in curves:
         _discs(picture, points, thick / 2, colour)
     for place in ghosts(scene):
@@ -272,8 +273,7 @@ def _overlay(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
         _discs(picture, pixels(np.array([place])), 0.9 * thick, GHOST_COLOUR)
     named = _named(scene)
     for place in positions(scene):
-        # small, so that spheres stay visible
-        _dot(picture, pixels(np.array([place])), 1.1 * max(thick, 2), P_COLOUR)
+        _dot(picture, pixels(np.array([place])), (1.1 if several else 1.7) * max(thick, 2), P_COLOUR)
     for name, place in named.items():
         if name != "P":
             for radius, colour in ((1.3, EDGE), (0.9, POINT_COLOUR)):
@@ -338,6 +338,9 @@ def _letter(picture: NDArray[np.uint8], name: str, place: complex, others: Seque
     height, width, _ = picture.shape
     size = 1.3 * max(TEXT * min(height, width * 4 / 3), LEGIBLE)
     away = sum((place - other) / abs(place - other) ** 2 for other in others) or 1 - 1j
+    first, last = others if len(others) == 2 else (place, place)
+    if ((first - place) * (last - place).conjugate()).real < 0:  # between them, beside the line through them
+        away = 1j * (last - first) * (-1 if ((place - first) / (last - first)).imag < -1e-6 else 1)
     middle = place + 0.9 * size * away / abs(away)
     left, top = round(middle.real - size), round(middle.imag - size)
     rows = slice(max(top, 0), max(round(top + 2 * size), 0))

@@ -1,5 +1,6 @@
 """A view of a scene from the side or from above, to scale: eye, windows, objects, images, and light to the eye."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
@@ -28,7 +29,7 @@ RAYS = 9  # from the eye, through the middle row or column of the picture of a r
 # Points beside the eye to which light runs: x + iy, in units of the first window's width. The two directions differ, so
 # that rays without a common point seem to have none from the side and from above.
 ASIDE = 0.45 * np.exp(1j * np.radians((45, 165)))
-LIGHT, BESIDE, RAY = (255, 196, 120), (190, 134, 76), (110, 116, 128)
+LIGHT, BESIDE, RAY = (255, 214, 150), (240, 160, 80), (110, 116, 128)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 OTHER = (130, 135, 145)  # objects without a point, such as pedestals
 EYE = ((1, 1, (255, 255, 255)), (0.55, 0.55, (60, 110, 170)), (0.45, 0.3, (10, 10, 14)))  # discs: place, radius, colour
@@ -126,12 +127,13 @@ class Drawing:
         self.size = size = min(max(TEXT * height, min(LEGIBLE, MAX_TEXT * height)), width / 13)
         wide, high = shows.last - shows.first, shows.high - shows.low
         self.scale = min((width - 3 * size) / wide, (MOST * height - 3.4 * size) / high)
-        rows = 2 * int(min(self.scale * high + 5 * size, MOST * height) / 2)
+        rows = 2 * int(min(self.scale * high + 4 * size, MOST * height) / 2)
         left = (width - self.scale * wide) / 2 - self.scale * shows.first
-        self.origin = left, rows / 2 + self.scale * (shows.high + shows.low) / 2
+        # names above windows need more room than those below objects
+        self.origin = left, (rows + size) / 2 + self.scale * (shows.high + shows.low) / 2
         self.image = Image.new("RGB", (FINER * width, FINER * rows), STRIP)
         self.draw = ImageDraw.Draw(self.image)
-        self.thick = FINER * max(1.0, height / 280)
+        self.thick = FINER * max(1.0, height / 160)
         self.solid: list[Floats] = []  # points (n, 2) that names should not cover
 
     def pixels(self, points: ArrayLike) -> Floats:
@@ -152,8 +154,8 @@ class Drawing:
         self.draw.ellipse([x - radius, y - radius, x + radius, y + radius], fill=colour)
 
     def thing(self, thing: Thing) -> None:
-        """Draw a line or a mark. Windows and images are thicker, so that an object does not hide its image."""
-        times = 2 if thing.colour in (SHEET, IMAGE) else 1
+        """Draw a line or a mark. Images are thicker than objects, so that an object does not hide its image."""
+        times = {SHEET: 1.1, IMAGE: 2}.get(thing.colour, 1)
         if not thing.is_mark:
             self.line(thing.points, thing.colour, times)
             return
@@ -253,8 +255,7 @@ def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
 
 def named_windows(scene: Scene) -> list[tuple[str, Floats]]:
     """Return the name that a drawing gives each window, and points of its outline, (n, 3)."""
-    names = [(name.removeprefix("window") or name) if n else name for n, name in enumerate(scene.named_openings)]
-    names = ["window 1" if name == "window1" else name for name in names]
+    names = [re.sub(r"^window(?=\d+$)", "window ", name) for name in scene.named_openings]
     if names == ["window 1"]:
         sheet = scene.sheets[0]
         names = ["window" if is_empty(scene) else "sheets" if sheet.rotates or sheet.layers == 2 else "sheet"]

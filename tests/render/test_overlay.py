@@ -43,7 +43,7 @@ def test_the_mark_is_where_the_piece_is_predicted(sheet, alpha, z1):
     scene = Chess(sheet=sheet, alpha=alpha, z1=z1, x=0.4, eye=(0, -0.6))
     marks = yellow(drawn(scene, overlay=True))
     pixel = scene.view / 480
-    assert 18 < len(marks) < 45
+    assert 45 < len(marks) < 70
     assert abs(marks.mean() - scene.apparent_position(scene.L, scene.z1)) < 0.3 * pixel
 
 
@@ -472,6 +472,12 @@ def refused_letter(letter):
     except InputError:
         return True
     return False
+
+
+def test_a_letter_between_two_points_stands_beside_their_line():
+    picture = np.full((200, 200, 3), 120, np.uint8)
+    overlay._letter(picture, "P", 90 + 100j, [40 + 100j, 160 + 100j])
+    assert np.flatnonzero((picture != 120).any((1, 2))).min() > 100
 
 
 @pytest.mark.parametrize(

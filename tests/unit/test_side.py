@@ -171,9 +171,12 @@ def test_an_object_and_an_image_at_the_same_place_are_both_seen(scene):
         (Chess(sheet="none"), {"window", "knight", "from the side"}),
         (Chess(sheet="lens", focal_length=2), {"sheet", "knight", "image at infinity", "from the side"}),
         (Chess(sheet="lens", focal_length=2.1), {"sheet", "knight", "image not in the view", "from the side"}),
-        (Chess(alpha=0, window="alpha=0,z=2", z1=4), {"window 1", "2", "knight", "virtual image", "from the side"}),
+        (
+            Chess(alpha=0, window="alpha=0,z=2", z1=4),
+            {"window 1", "window 2", "knight", "virtual image", "from the side"},
+        ),
         (Spheres(alpha=66), {"sheets", "sphere", "no common point of rays", "from the side, 4 farther"}),
-        (Room([LEFT, RIGHT, KNIGHT, Box(name="b", z=3)]), {"left", "2", "knight", "b", "from above"}),
+        (Room([LEFT, RIGHT, KNIGHT, Box(name="b", z=3)]), {"left", "window 2", "knight", "b", "from above"}),
     ],
 )
 def test_names_are_legible_and_hide_no_other(scene, said, monkeypatch):
@@ -202,7 +205,7 @@ def test_names_of_windows_stand_in_their_order(monkeypatch):
     movie = [Chess(sheet="ideal", alpha=120, z1=2, z2=8, window=f"z={gap},alpha=120") for gap in (0.4, 0.5, 1, 5)]
     for scene in movie:
         side.side_view(scene, 768, 864, side.extent(movie))
-        assert places["window 1"] < places["2"] < places["knight"]
+        assert places["window 1"] < places["window 2"] < places["knight"]
 
 
 def test_it_is_added_below_the_picture(tmp_path):
