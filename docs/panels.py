@@ -50,6 +50,7 @@ PREDICTED = CHESS.replace(predicted_image=True)
 OUTLINED = CHESS.replace(alpha=40, direct_image=True)
 EMPTY = {"sheet": "none", "window": "sheet=none,z=2"}
 TWO = CHESS.replace(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1))
+PUPIL = Chess(sheet="ideal", alpha=0, z1=3, pupil=0.3, view=3.3)
 PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
 PIECES = Chess(
     sheet="none", piece=[*PLACES], x=[*PLACES.values()], z1=8, aperture=5, pedestal=0.8, eye=(0, 0.66), view=1.8
@@ -129,6 +130,11 @@ PANELS: dict[str, list[Panel]] = {
             names={"ghost of the floor": (-0.55 - 1.2j, -0.9 - 0.55j)},
         ),
     ],
+    "pupil": [
+        Panel(PUPIL, "α = 0°: sharp"),
+        Panel(PUPIL.replace(alpha=90), "α = 90°: sharp at no distance"),
+        Panel(PUPIL.replace(alpha=180), "α = 180°: sharp"),
+    ],
 }
 
 
@@ -146,7 +152,8 @@ def panel(shown: Panel) -> Picture:
         _magnified(image, large)
     else:
         plain = scene.replace(predicted_image=False) if isinstance(scene, Chess) else scene
-        image = Image.fromarray(render(plain, size=shown.size, quality="high"))
+        renderer = "gl" if scene.pupil else "povray"
+        image = Image.fromarray(render(plain, size=shown.size, quality="high", renderer=renderer))
     draw = ImageDraw.Draw(image)
     if shown.line:
         ends = [pixels(z) for z in shown.line]
