@@ -57,9 +57,8 @@ def draw(
     window or an object, or the point from which all rays come. Of sheets with up to 12 prisms, the prisms' middle
     sections are drawn. The drawing is seen from far away at this azimuth and elevation, degrees: -90 and 0 are a side
     view, with z to the right, and -90 and 90 a view from above. Views along x, y or z have axes with numbers. Others
-    have an arrow along each axis. `dpi`, dots an inch from 50 to 1200, and `width`, millimetres from 40 to 300, are
-    those of the file. Raises InputError for a file that cannot be written, for rays without paths, and without
-    matplotlib.
+    have an arrow along each axis. The file has `dpi` dots an inch, 50 to 1200, and is `width` millimetres wide, 40 to
+    300. Raises InputError for a file that cannot be written, for rays without paths, and without matplotlib.
     """
     scene, target = checked_scene(scene), checked_output(output, DRAWINGS)
     printed = Print(dpi=dpi, width=width)
@@ -88,17 +87,11 @@ def draw(
             axes.fill(*(corners @ sides.T).T, facecolor=(PRISMS, 0.12), edgecolor=PRISMS, linewidth=0.8)
         for points, look in solid:
             axes.plot(*(points @ sides.T).T, **look)
-        thick = float(np.clip(30 / max(len(rays), 1), *THICK))
-        for ray in rays:
-            end: Look = {} if ray[1].any() else {"marker": "x", "markevery": [-1], "markersize": 5}
-            axes.plot(*(_extended(ray, BEYOND * size) @ sides.T).T, linewidth=thick, **ray[2], **end)
+        _plot(axes, rays, sides, BEYOND * size)
         for name, points, colour in names:
             if len(points) == 1:
                 axes.plot(*(points @ sides.T).T, "o", color=colour, zorder=3)
             _write(axes, name, points @ sides.T, colour)
-        if rays:
-            handles = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
-            axes.legend(handles.values(), handles, frameon=True, framealpha=0.9)
         axes.set_xlim(*low_high[:, 0], auto=True)  # True: one of the axes may be longer
         axes.set_ylim(*low_high[:, 1], auto=True)
         if straight:
@@ -166,6 +159,18 @@ def _rays(found: Traced) -> list[Ray]:
     paths = (path[np.isfinite(path[:, 0])] for path in corners)
     rays = zip(paths, leaves * np.nan_to_num(ways), looks, strict=True)
     return sorted(rays, key=lambda ray: ray[2] is DESIGNED)
+
+
+def _plot(axes: Axes, rays: Sequence[Ray], sides: Floats, far: float) -> None:
+    """Draw the rays, and a legend."""
+    thick = float(np.clip(30 / max(len(rays), 1), *THICK))
+    for ray in rays:
+        end: Look = {} if ray[1].any() else {"marker": "x", "markevery": [-1], "markersize": 5}
+        axes.plot(*(_extended(ray, far) @ sides.T).T, linewidth=thick, **ray[2], **end)
+    lines, names = axes.get_legend_handles_labels()
+    once = dict(zip(names, lines, strict=True))
+    if once:
+        axes.legend(once.values(), once, frameon=True, framealpha=0.9)
 
 
 def _extended(ray: Ray, far: float) -> Floats:

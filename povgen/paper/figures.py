@@ -174,12 +174,12 @@ def vary_z1(rendering: Rendering) -> Captioned:
     """Draw figure 4: frames of the z1 movie. An inset magnifies the piece of the last frame."""
     scenes = [Chess(alpha=90, z1=z1) for z1 in (1, 1.5, 3, 6, 15, 30)]
     measured = agreement.pieces(scenes)
-    titles = [f"$z_1$ = {piece.z1:g} tiles: turned by {piece.nu:.0f}°" for piece in measured]
+    titles = [f"$z_1$ = {piece.z1:g}: turned by {piece.nu:.0f}°" for piece in measured]
     figure, panels = _montage([scene.replace(view=VIEW) for scene in scenes], rendering, titles)
     figure.set_figheight(5.45)
     figure.subplots_adjust(top=0.868)
-    figure.text(0.005, 0.97, _at_angle(scenes[0]))
-    figure.text(0.09, 0.97, "outline: predicted image", color=PREDICTED, fontsize=9)
+    figure.text(0.005, 0.97, rf"{_at_angle(scenes[0])}, $z_1$ in tiles")
+    figure.text(0.345, 0.97, "outline: predicted image", color=PREDICTED, fontsize=9)
     inset, half = panels[-1].inset_axes((0.6, 0.6, 0.39, 0.39)), 0.24
     _draw_frames([inset], [scenes[-1].replace(view=2 * half)], rendering)
     inset.axis("on")
