@@ -101,7 +101,7 @@ def turns(picture: Picture) -> None:
         (name, axis, corner), place = axes[board.text], board.pose.place
         size = np.array((*board.size, 0)) / 2
         turned = [board.replace(**{board.text: angle}).pose.axes for angle in range(46)]
-        picture.line(place + np.outer((-0.7, 1), axis), PRISMS, 2, head=True)
+        picture.line(np.array((place - np.minimum(axis, 1), place + axis)), PRISMS, 2, head=True)
         picture.write(place + axis + np.array((0.12, 0, 0)), name)
         picture.line(SQUARE * size + place, "#777777", 1, "--")
         picture.ax.fill(*picture.seen(SQUARE * size @ turned[-1] + place).T, facecolor=PALE, edgecolor=INK, zorder=2)
