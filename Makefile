@@ -20,7 +20,7 @@ GALLERY := docs/gallery/rotation.webp $(filter-out %/rotation.png,$(patsubst %.t
 # those of the worksheet
 PRINTED := $(addprefix docs/worksheet/,free.png far.png near.png)
 # these compare scenes side by side
-PANELS := $(filter-out %/page.png %.webp,$(GALLERY)) $(addprefix docs/light/,white.png polarised.png)
+PANELS := $(filter-out %/page.png %.webp,$(GALLERY)) $(addprefix docs/,light/white.png light/polarised.png tolerances/pupil.png)
 # without volumes.xz: a checkout may leave it older than the templates, and it takes long to make
 SOURCES := $(shell find povgen templates -type f -not -path '*/__pycache__/*' -not -name volumes.xz)
 READY := $(VENV)/ready
@@ -46,7 +46,7 @@ NEW := $(if $(or $(strip $(MISSING)),$(shell test "$$(cat $(READY) 2> /dev/null)
 install-into-venv = @rm -f $(READY) && $(1) && echo "$(FINISHED)" > $(READY)
 
 .PHONY: movies movies-beyond frame demo figures gallery test-fast test test-release coverage test-deps gl-deps firefox-deps \
-  lint verify chart ray-pictures site package container notes bench cluster-bench auto-check clean help
+  lint verify chart ray-pictures room-pictures site package container notes bench cluster-bench auto-check clean help
 .DELETE_ON_ERROR:
 
 movies: $(MOVIES)  ## the paper's three movies, into movies/
@@ -122,6 +122,7 @@ docs/tolerances/builds.png: DEVIATIONS = --builds 300 --deviation turn=0.05 --de
 docs/tolerances/errors.png docs/tolerances/builds.png: $(SOURCES) | $(VENV)/charts-ready
 	$(POVGEN) tolerance chess --prisms 100 --alpha 90 --z1 10 --z2 10 $(DEVIATIONS) -o $@
 
+
 docs/seminar.ipynb: docs/seminar.md docs/notebook.py | $(VENV)/test-ready  ## the seminar as a notebook
 	$(VENV)/bin/python docs/notebook.py
 
@@ -130,6 +131,14 @@ ray-pictures: $(VENV)/charts-ready $(VENV)/gl-ready gl-deps  ## the pictures of 
 
 docs/rooms/room.png: docs/rooms.md $(SOURCES) | $(READY)  ## the picture of the room on that page
 	sed -n "/^cat > room.toml/,/^END/{//!p}" $< | $(POVGEN) frame - --size 640x480 -o $@
+
+room-pictures: $(addprefix docs/rooms/,room.png side-by-side.png tilted.png star.png box.png turns.png)  ## the pictures of docs/rooms.md
+
+drawn-room = $(VENV)/bin/python docs/room_pictures.py $< -o $@
+docs/rooms/%.png: docs/rooms/%.toml docs/room_pictures.py $(SOURCES) | $(VENV)/charts-ready $(VENV)/gl-ready gl-deps
+	$(drawn-room)
+docs/rooms/%.png: povgen/page/examples/%.toml docs/room_pictures.py $(SOURCES) | $(VENV)/charts-ready $(VENV)/gl-ready gl-deps
+	$(drawn-room)
 
 docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies, and the README's row of pictures
 	$(VENV)/bin/python $<

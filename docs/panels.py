@@ -62,6 +62,7 @@ PREDICTED = CHESS.replace(predicted_image=True)
 OUTLINED = CHESS.replace(alpha=40, direct_image=True)
 EMPTY = {"sheet": "none", "window": "sheet=none,z=2"}
 TWO = CHESS.replace(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1))
+PUPIL = Chess(sheet="ideal", alpha=0, z1=3, pupil=0.3, view=3.3)
 PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
 PIECES = Chess(
     sheet="none",
@@ -172,7 +173,7 @@ PANELS: dict[str, list[Panel]] = {
         ),
     ],
 }
-# the pictures of docs/light.md
+# the pictures of docs/light.md and docs/tolerances.md
 OTHERS: dict[str, list[Panel]] = {
     "white": [
         Panel(
@@ -187,6 +188,11 @@ OTHERS: dict[str, list[Panel]] = {
         Panel(POLARISED, "no polarisers"),
         Panel(POLARISED.replace(polariser=0, analyser=0), "parallel, 0° and 0°"),
         Panel(POLARISED.replace(polariser=0, analyser=90), "crossed, 0° and 90°: mostly stray light", brighter=8),
+    ],
+    "pupil": [
+        Panel(PUPIL, "α = 0°: sharp"),
+        Panel(PUPIL.replace(alpha=90), "α = 90°: sharp at no distance"),
+        Panel(PUPIL.replace(alpha=180), "α = 180°: sharp"),
     ],
 }
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import fill
 
 import numpy as np
 
@@ -105,7 +106,10 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed:
             values = {name: abs(size * float(getattr(sensitivities[name], field))) for name, size in sizes.items()}
             names = [f"{WHAT[name]} by {_with_unit(name, sizes[name])}" for name in ordered]
             bars = ax.barh(names, np.nan_to_num([values[name] for name in ordered]), color=PRISMS)
-            texts = [f"{values[name]:.2g}" if np.isfinite(values[name]) else "unknown" for name in ordered]
+            texts = [
+                f"{values[name]:.{2 + (values[name] >= 1)}g}" if np.isfinite(values[name]) else "unknown"
+                for name in ordered
+            ]
             ax.bar_label(bars, texts, padding=4)
             ax.margins(x=0.15)
             ax.set_xlim(left=0)
@@ -126,23 +130,24 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
             found = getattr(builds, field)
             seen = found[np.isfinite(found)]
             ax.hist(seen, bins=20, color=PRISMS, edgecolor="white")
-            limits = [(f"{share} %: at most", percentile(found, share)) for share in (50, 95)]
-            for dashes, (text, limit) in zip(("--", ":"), limits, strict=True):
-                if np.isfinite(limit):
-                    ax.axvline(limit, linestyle=dashes, color="black", label=f"{text} {limit:.3g} {unit}")
+            limits = {share: limit for share in (50, 95) if np.isfinite(limit := percentile(found, share))}
+            for share, limit in limits.items():
+                ax.axvline(limit, linestyle="--", color="black")
+                place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "top"}
+                ax.annotate(f"{share} %: {limit:.3g}", (limit, 1), (5, 0), **place)
             missing = f"; not seen: {len(found) - len(seen)}" if len(seen) < len(found) else ""
-            ax.set(xlabel=f"{field}, {unit}", ylabel=f"builds, of {len(found)}{missing}", title=field.capitalize())
+            ax.set(xlabel=f"{field}, {unit}", ylabel=f"builds, of {len(found)}{missing}")
+            most = f"95 % of the builds: {field} by at most {limits[95]:.3g} {unit}" if 95 in limits else ""
+            ax.set_title(most or field.capitalize())
             ax.set_xlim(left=0)
+            ax.margins(y=0.15)  # room for the texts at the lines
             ax.xaxis.set_major_formatter("{x:g}")
             ax.grid(axis="y", alpha=0.25)
             ax.set_axisbelow(True)
-            if ax.lines:
-                ax.legend(loc="lower right", bbox_to_anchor=(1, 1))  # above, where it hides no line
             table += [(f"{field}, {unit}", f"{value:.6g}") for value in found]
-        errors = [f"{WHAT[name]}: {_with_unit(name, value)}" for name, value in given.items()]
-        lines = ["; ".join(errors[n : n + 3]) for n in range(0, len(errors), 3)]
-        text = "standard deviations of the errors\n" + ";\n".join(lines)
-        figure.supxlabel(text, fontsize=10, color="#444444")
+        errors = [f"{WHAT[name]}\N{NO-BREAK SPACE}{_with_unit(name, value)}" for name, value in given.items()]
+        text = fill(f"Standard deviations of the errors: {', '.join(errors)}", int(14 * figure.get_figwidth()))
+        figure.supxlabel(text, x=0.01, ha="left", ma="left", fontsize=10)
     save_table(path.with_suffix(".csv"), ("quantity", "value"), table)
 
 

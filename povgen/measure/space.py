@@ -1,6 +1,8 @@
 """A drawing of a scene in space: its windows, its objects, the eye, and rays of light."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -8,8 +10,9 @@ from povgen.errors import input_errors
 from povgen.files import checked_output
 from povgen.measure.plotting import GREY, IDEAL, PRISMS, AutoLocator, Axes, drawn, withStroke
 from povgen.objects.scene_object import SceneObject
+from povgen.optics import faces
 from povgen.optics.equations import Floats
-from povgen.optics.faces import sections
+from povgen.optics.opening import Opening
 from povgen.optics.rays import Traced
 from povgen.optics.trace import End
 from povgen.record import DRAWINGS, recorded_call, saved_with
@@ -19,13 +22,18 @@ from povgen.sheets.prisms import Prisms
 from povgen.video.side import named_windows
 from povgen.video.still import record_of
 
+Look = dict[str, Any]  # of a line, for matplotlib
+Line = tuple[Floats, Look]  # points (n, 3), and their look
+Ray = tuple[Floats, Floats, Look]  # its path (n, 3), its direction behind the path, which is 0 if it ends, and its look
 WIDTH, HEIGHTS = 9, (3, 9)  # inches
 RAYS = (11, 8)  # from the eye, across the picture and upwards
-OBJECT, DESIGNED, STRAY = "#b58900", IDEAL, GREY
+OBJECT = "#b58900"
+DESIGNED: Look = {"label": "designed path", "color": IDEAL}
+STRAY: Look = {"label": "other rays", "color": GREY, "linestyle": (0, (6, 3)), "alpha": 0.55}
 FARTHEST = 4  # what is farther from the eye than this multiple of the windows' distance is left out
+THICK = 0.8, 1.5  # of rays, points: few are thicker
 FEW = 12  # prisms across a window, whose sections can be told apart
-EDGE = 0.02  # between what is seen and the edge of the drawing, as a part of its width or height
-Line = tuple[Floats, str, float]  # points (n, 3), a colour, a width
+EDGE = np.array((0.02, 0.06))  # from what is seen to the drawing's sides, and up and down, where names stand
 MARGIN, BEYOND = 0.3, 100  # how far a ray that leaves is seen, at least, and drawn, as multiples of the scene's size
 
 
@@ -44,46 +52,46 @@ def draw(
     """Draw the scene in space with rays of light, to scale, and write it to a .png, .svg or .pdf file. Return its path.
 
     `traced` are rays whose paths were kept: `scene.trace(rays, path=True)`. Without them, they are rays from the eye
-    through a grid of points of the picture. Rays on the designed path are red, others grey. Rays that leave go on to
-    the edge of the drawing, also past objects. Names say what is an eye, a window or an object. Of sheets with up to 12
-    prisms, the prisms' middle sections are drawn. The drawing is seen from far away at this azimuth and elevation,
-    degrees: -90 and 0 are a side view, with z to the right, and -90 and 90 a view from above. Views along x, y or z
-    have axes with numbers. Others have an arrow along each axis. `dpi`, dots an inch from 50 to 1200, and `width`,
-    millimetres from 40 to 300, are those of the file. Raises InputError for a file that cannot be written, for rays
-    without paths, and without matplotlib.
+    through a grid of points of the picture. Rays on the designed path are red, others grey and dashed. Rays that leave
+    go on to the edge of the drawing, also past objects; crosses are where others end. Names say what is an eye, a
+    window or an object, or the point from which all rays come. Of sheets with up to 12 prisms, the prisms' middle
+    sections are drawn. The drawing is seen from far away at this azimuth and elevation, degrees: -90 and 0 are a side
+    view, with z to the right, and -90 and 90 a view from above. Views along x, y or z have axes with numbers. Others
+    have an arrow along each axis. The file has `dpi` dots an inch, 50 to 1200, and is `width` millimetres wide, 40 to
+    300. Raises InputError for a file that cannot be written, for rays without paths, and without matplotlib.
     """
     scene, target = checked_scene(scene), checked_output(output, DRAWINGS)
     printed = Print(dpi=dpi, width=width)
     if traced is not None and not traced.corners.shape[-2]:
         raise ValueError("traced: the paths were not kept; allowed: rays of trace(..., path=True)")
-    eye, solid = np.array([scene.camera.eye]), _solid(scene)
-    rays = _rays(scene.trace(scene.rays(RAYS), path=True) if traced is None else traced)
-    size = float(np.linalg.norm(np.ptp(np.concatenate([eye, *(points for points, _, _ in solid)]), axis=0))) or 1.0
-
-    def lines(farther: float) -> list[Line]:
-        far = farther * size
-        return [*solid, *((np.vstack((path, path[-1] + far * way)), colour, 0.8) for path, way, colour in rays)]
-
     sides = _sides(azimuth, elevation)
     straight = bool((abs(sides).max(1) == 1).all())
     ways = sides.sum(1) if straight else np.ones(2)  # an axis with numbers may run to the left or down
     sides *= ways[:, None]
-    seen = np.concatenate([eye, *(points for points, _, _ in lines(MARGIN))]) @ sides.T
-    across, up = np.ptp(seen, axis=0)
-    edge = EDGE * max(across, up)
+    sections, solid = _sections(scene), _solid(scene, straight)
+    rays = _rays(scene.trace(scene.rays(RAYS), path=True) if traced is None else traced)
+    names = _names(scene, rays)
+    whole = np.concatenate([*(points for _, points, _ in names), *(points for points, _ in solid), *sections])
+    size = float(np.linalg.norm(np.ptp(whole, axis=0))) or 1.0
+    # stray light may go anywhere
+    near = [_extended(ray, MARGIN * size) for ray in rays if ray[2] is DESIGNED or traced is None]
+    seen = np.concatenate([whole, *near]) @ sides.T
+    edge = EDGE * np.ptp(seen, axis=0).max()
     low_high = np.stack((seen.min(0) - edge, seen.max(0) + edge))
+    across, up = np.ptp(low_high, axis=0)
     height = np.clip(WIDTH * up / across, *HEIGHTS)
     with saved_with(record_of([scene])), drawn(WIDTH, height, target, printed=printed, roomy=True) as figure:
         axes = figure.add_subplot()
         axes.set_aspect("equal", adjustable="datalim")
-        names = {DESIGNED: "designed path", STRAY: "other rays"}
-        for points, colour, thick in lines(BEYOND):
-            axes.plot(*(points @ sides.T).T, color=colour, linewidth=thick, label=names.pop(colour, None))
-        axes.plot(*(eye @ sides.T).T, "o", color="black")
-        for name, points, colour in _names(scene):
+        for corners in sections:
+            axes.fill(*(corners @ sides.T).T, facecolor=(PRISMS, 0.12), edgecolor=PRISMS, linewidth=0.8)
+        for points, look in solid:
+            axes.plot(*(points @ sides.T).T, **look)
+        _plot(axes, rays, sides, BEYOND * size)
+        for name, points, colour in names:
+            if len(points) == 1:
+                axes.plot(*(points @ sides.T).T, "o", color=colour, zorder=3)
             _write(axes, name, points @ sides.T, colour)
-        if rays:
-            axes.legend(frameon=True, framealpha=0.9)
         axes.set_xlim(*low_high[:, 0], auto=True)  # True: one of the axes may be longer
         axes.set_ylim(*low_high[:, 1], auto=True)
         if straight:
@@ -93,20 +101,29 @@ def draw(
     return target
 
 
-def _solid(scene: Scene) -> list[Line]:
-    """Return the outlines of objects and windows, and the sections of few prisms, across their middle."""
-    lines: list[Line] = [(each.edges, OBJECT, 1.0) for each in _near(scene)]
-    for opening in scene.openings:
-        lines.append((opening.edge, PRISMS, 2.0))
+def _solid(scene: Scene, straight: bool) -> list[Line]:
+    """Return the outlines of objects and windows. In a straight view, sections of prisms stand for their window."""
+    lines: list[Line] = [(each.edges, {"color": OBJECT, "linewidth": 1}) for each in _near(scene)]
+    shown = (opening for opening in scene.openings if not (straight and _few(opening)))
+    return [*lines, *((opening.edge, {"color": PRISMS, "linewidth": 2}) for opening in shown)]
+
+
+def _few(opening: Opening) -> bool:
+    return isinstance(opening.sheet, Prisms) and opening.sheet.values["prisms"] <= FEW
+
+
+def _sections(scene: Scene) -> list[Floats]:
+    """Return the sections of few prisms, across their middle: corners (5, 3)."""
+    found = []
+    for opening in filter(_few, scene.openings):
         sheet, pose = opening.sheet, opening.pose
-        few = isinstance(sheet, Prisms) and sheet.values["prisms"] <= FEW
-        for glass in sheet.glass if few else ():
+        for glass in sheet.glass:
             across = np.array([[-np.sin(glass.angle), np.cos(glass.angle), 0], [0, 0, 1]]) @ glass.axes
-            for corners in sections(glass, sheet.aperture):
+            for corners in faces.sections(glass, sheet.aperture):
                 if abs(corners[:, 0]).max() <= sheet.aperture / 2:
                     own = corners[[0, 1, 2, 3, 0]] @ across + (0, 0, glass.centre)
-                    lines.append((own @ pose.axes + pose.place, PRISMS, 0.8))
-    return lines
+                    found.append(own @ pose.axes + pose.place)
+    return found
 
 
 def _near(scene: Scene) -> list[SceneObject]:
@@ -116,31 +133,49 @@ def _near(scene: Scene) -> list[SceneObject]:
     return [each for each in scene.contents if np.ptp(each.box) and np.linalg.norm(each.pose.place - eye) < far]
 
 
-def _names(scene: Scene) -> list[tuple[str, Floats, str]]:
+def _names(scene: Scene, rays: Sequence[Ray]) -> list[tuple[str, Floats, str]]:
     """Return what is written in the drawing: a name, the points (n, 3) that it is for, and its colour."""
+    eye = np.array([scene.camera.eye])
+    starts = np.array([path[0] for path, _, _ in rays])
+    is_source = len(rays) > 1 and np.ptp(starts, axis=0).max() < 1e-9 < abs(starts[0] - eye).max()
     objects = [(each.name or each.called, each.edges, OBJECT) for each in _near(scene) if each.point is not None]
     windows = [(name, edge, PRISMS) for name, edge in named_windows(scene)]
-    return [("eye", np.array([scene.camera.eye]), "black"), *windows, *objects]
+    return [("eye", eye, "black"), *[("point", starts[:1], "black")] * bool(is_source), *windows, *objects]
 
 
 def _write(axes: Axes, name: str, points: Floats, colour: str) -> None:
-    """Write a name above points (n, 2) of the drawing."""
+    """Write a name above points (n, 2) of the drawing, or below a single point."""
     above = (points[:, 0].min() + points[:, 0].max()) / 2, points[:, 1].max()
-    text = axes.annotate(name, above, (0, 6), textcoords="offset points", ha="center", va="bottom", color=colour)
+    up, va = (6, "bottom") if len(points) > 1 else (-6, "top")
+    text = axes.annotate(name, above, (0, up), textcoords="offset points", ha="center", va=va, color=colour)
     text.set_path_effects([withStroke(linewidth=3, foreground="white")])
 
 
-def _rays(found: Traced) -> list[tuple[Floats, Floats, str]]:
-    """Return the path of each ray, its direction behind the path, which is 0 for a ray that ends, and its colour.
-
-    Those on the designed path are last, on top.
-    """
+def _rays(found: Traced) -> list[Ray]:
+    """Return the rays. Those on the designed path are last, on top."""
     corners, ways = found.corners.reshape(-1, *found.corners.shape[-2:]), found.direction.reshape(-1, 3)
     leaves = np.isin(found.end, (End.THROUGH, End.BACK, End.BESIDE)).reshape(-1, 1)
-    colours = np.where(found.designed, DESIGNED, STRAY).flat
+    looks = [DESIGNED if designed else STRAY for designed in found.designed.flat]
     paths = (path[np.isfinite(path[:, 0])] for path in corners)
-    rays = zip(paths, leaves * np.nan_to_num(ways), colours, strict=True)
-    return sorted(rays, key=lambda ray: ray[2] == DESIGNED)
+    rays = zip(paths, leaves * np.nan_to_num(ways), looks, strict=True)
+    return sorted(rays, key=lambda ray: ray[2] is DESIGNED)
+
+
+def _plot(axes: Axes, rays: Sequence[Ray], sides: Floats, far: float) -> None:
+    """Draw the rays, and a legend."""
+    thick = float(np.clip(30 / max(len(rays), 1), *THICK))
+    for ray in rays:
+        end: Look = {} if ray[1].any() else {"marker": "x", "markevery": [-1], "markersize": 5}
+        axes.plot(*(_extended(ray, far) @ sides.T).T, linewidth=thick, **ray[2], **end)
+    lines, names = axes.get_legend_handles_labels()
+    once = dict(zip(names, lines, strict=True))
+    if once:
+        axes.legend(once.values(), once, frameon=True, framealpha=0.9)
+
+
+def _extended(ray: Ray, far: float) -> Floats:
+    path, way, _ = ray
+    return np.vstack((path, path[-1] + far * way))
 
 
 def _sides(azimuth: float, elevation: float) -> Floats:

@@ -33,6 +33,7 @@ from povgen.paper.shapes import (
 )
 from povgen.record import save
 from povgen.rendering.frames import read_png, render_all
+from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, Chess, Spheres
 from povgen.scene.sdl import to_caption
 from povgen.settings import AS_DRAWN, Print, Rendering
@@ -41,7 +42,8 @@ from povgen.video.outline import outlines
 
 WIDTH = 7.0  # inches: two columns of a journal
 PRINT = {"font.size": 10, "axes.titleweight": "normal", "axes.titlesize": 10, "figure.dpi": 200, "savefig.dpi": 200}
-CONSTANT_ALPHA, CONSTANT_R = "#0b5fa5", "#d1603d"
+CONSTANT_ALPHA, CONSTANT_R, PREDICTED = "#0b5fa5", "#d1603d", "#c800ae"
+VIEW = 2.9  # height of a frame, tiles
 
 
 Captioned = tuple[Figure, dict[str, object]]  # a figure, and the data for its caption
@@ -156,49 +158,51 @@ def mirroring(rendering: Rendering) -> Captioned:
 
 def vary_alpha(rendering: Rendering) -> Captioned:
     """Draw figure 3: frames of the alpha movie, with predicted images."""
-    scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
-    measured = agreement.pieces(scenes)
-    titles = [
-        f"{_at_angle(piece)}\nknight leans {piece.nu:z.1f}° (ideal: {piece.nu_predicted:z.1f}°)" for piece in measured
-    ]
-    figure, panels = _montage(scenes, rendering, titles, ideal=True)
+    scenes = [Chess(alpha=alpha, view=VIEW) for alpha in (0, 33, 66, 99, 132, 180)]
+    measured = agreement.pieces([Chess(alpha=scene.alpha) for scene in scenes])
+    titles = [f"{_at_angle(piece)}\nturned {piece.nu:z.1f}° (ideal {piece.nu_predicted:z.1f}°)" for piece in measured]
+    scenes += [scene.replace(sheet="ideal") for scene in scenes]
+    figure, panels = _montage(scenes, rendering, titles)
     point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
-    point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), "#b000a0")
+    point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), PREDICTED)
     for ax, scene in zip(panels, scenes, strict=True):
-        outline = outlines(scene, 0.005)
-        for size, colour in ((2.4, "white"), (1.2, "#e100c4")):
-            ax.plot(*xy(outline), ".", markersize=size, markeredgewidth=0, color=colour)
+        _outline(ax, scene)
     return figure, {"pieces": measured}
 
 
 def vary_z1(rendering: Rendering) -> Captioned:
     """Draw figure 4: frames of the z1 movie. An inset magnifies the piece of the last frame."""
-    scenes = [Chess(alpha=90, z1=z1) for z1 in (0.6, 1.5, 3, 6, 15, 30)]
+    scenes = [Chess(alpha=90, z1=z1) for z1 in (1, 1.5, 3, 6, 15, 30)]
     measured = agreement.pieces(scenes)
-    titles = [f"$z_1$ = {piece.z1:g} tiles: turned by {piece.nu:.0f}°" for piece in measured]
-    titles[0] = r"$\alpha$ = 90°, " + titles[0]
-    figure, panels = _montage(scenes, rendering, titles)
+    titles = [f"$z_1$ = {piece.z1:g}: turned by {piece.nu:.0f}°" for piece in measured]
+    figure, panels = _montage([scene.replace(view=VIEW) for scene in scenes], rendering, titles)
+    figure.set_figheight(5.45)
+    figure.subplots_adjust(top=0.868)
+    figure.text(0.005, 0.97, rf"{_at_angle(scenes[0])}, $z_1$ in tiles")
+    figure.text(0.345, 0.97, "outline: predicted image", color=PREDICTED, fontsize=9)
     inset, half = panels[-1].inset_axes((0.6, 0.6, 0.39, 0.39)), 0.24
-    _draw_frames([inset], [scenes[-1].replace(view=4 * half)], rendering, half)
+    _draw_frames([inset], [scenes[-1].replace(view=2 * half)], rendering)
     inset.axis("on")
     inset.set(xticks=[], yticks=[])
     inset.spines[:].set_visible(True)
     panels[-1].indicate_inset((-half, -half, 2 * half, 2 * half), inset, edgecolor="black", alpha=1)
+    for ax, scene in zip([*panels, inset], [*scenes, scenes[-1]], strict=True):
+        _outline(ax, scene)
     return figure, {"pieces": measured, "horizon": agreement.horizon_angle(90)}
 
 
 def geometry(rendering: Rendering) -> Captioned:
     """Draw figure 5: a ray from L through P to E in space, its projection, and the circles on which P lies."""
     alpha, z1, z2 = radians(60), 1.3, 2.6
-    figure = Figure(figsize=(WIDTH, 6.3))
-    _geometry_in_space(space(figure.add_axes((0.03, 0.46, 0.94, 0.54))), alpha, z1, z2)
-    _projection(figure.add_axes((0.02, 0.02, 0.46, 0.46)), z2 / z1, alpha)
-    _circles(figure.add_axes((0.52, 0.005, 0.46, 0.43)), z2 / z1, alpha)
-    _letters(figure, (0.02, 0.96), (0.02, 0.46), (0.51, 0.46))
+    figure = Figure(figsize=(WIDTH, 6.6))
+    _geometry_in_space(space(figure.add_axes((0.03, 0.5, 0.94, 0.5))), alpha, z1, z2)
+    _projection(figure.add_axes((0.01, 0.02, 0.41, 0.44)), z2 / z1, alpha)
+    _circles(figure.add_axes((0.43, 0.005, 0.56, 0.46)), z2 / z1, alpha)
+    _letters(figure, (0.02, 0.96), (0.02, 0.48), (0.45, 0.48))
     for x, y, text in (
         (0.08, 0.96, "a ray from the object to the eye"),
-        (0.08, 0.46, "seen along z"),
-        (0.57, 0.46, r"$P$ is where orange ($r = p_2/p_1$) crosses blue ($\alpha$)"),
+        (0.08, 0.48, "seen along z"),
+        (0.51, 0.48, r"$P$ is where orange ($r = p_2/p_1$) crosses blue ($\alpha$)"),
     ):
         figure.text(x, y, text, fontsize=9)
     traced = agreement.trace_through_P(alpha, z1, z2)
@@ -208,8 +212,10 @@ def geometry(rendering: Rendering) -> Captioned:
 def spheres(rendering: Rendering) -> Captioned:
     """Draw figure 6: frames of the spheres movie, with predicted positions and the curve on which they lie."""
     scenes = [Spheres(alpha=alpha) for alpha in (0, 30, 60, 90, 120, 135)]
-    figure, panels = _montage(scenes, rendering, [_at_angle(scene) for scene in scenes], 1.3)
-    point_at(panels[0], (-0.65, 1), "stray light", (0, 1.1))
+    near = [scene.replace(look=(-0.34, -0.45), view=1.7) for scene in scenes]
+    figure, panels = _montage(near, rendering, [_at_angle(scene) for scene in scenes])
+    point_at(panels[0], (-0.67, -0.86), "stray light", (-0.2, -1))
+    cased = [withStroke(linewidth=2, foreground="white")]
     for ax, scene in zip(panels, scenes, strict=True):
         for line in overlay.loci(scene)[0][0]:
             for width, colour in ((2, "white"), (0.8, CONSTANT_ALPHA)):
@@ -217,15 +223,12 @@ def spheres(rendering: Rendering) -> Captioned:
         places = np.array(overlay.positions(scene))
         for size, colour in ((3.6, "white"), (2, "black")):
             ax.plot(*xy(places), "o", markersize=size, color=colour, markeredgewidth=0)
-    cased = [withStroke(linewidth=2, foreground="white")]
-    for place, meaning in ((scenes[0].L, "near: $L$"), (scenes[0].E + 0.1, "far: $E$")):
-        write(panels[0], xy(place + 0.25j), meaning, fontsize=11, path_effects=cased)
-    for name, place, aside in (("L", scenes[3].L, -0.12), ("E", scenes[3].E, 0.12j)):
-        write(panels[3], xy(place + aside), f"${name}$", path_effects=cased)
+        for name, place, aside in (("L", scene.L, -0.1), ("E", scene.E, 0.15)):
+            write(ax, xy(place + aside + 0.08j), f"${name}$", fontsize=12, path_effects=cased)
     position = max(overlay.positions(scenes[3]), key=lambda z: z.real - z.imag)  # on the side of the text
-    point_at(panels[3], xy(position), "predicted position", (0.62, -1.15))
+    point_at(panels[3], xy(position), "predicted position", (-0.05, -1.17))
     curve = max(np.concatenate(overlay.loci(scenes[4])[0][0]), key=lambda z: z.real - z.imag)
-    point_at(panels[4], xy(curve), "predicted at all $z_1$", (0.6, -1.15), CONSTANT_ALPHA)
+    point_at(panels[4], xy(curve), "predicted at all $z_1$", (0.05, -1.17), CONSTANT_ALPHA)
     return figure, {"spheres": agreement.spheres(scenes)}
 
 
@@ -250,44 +253,42 @@ def _letters(figure: Figure, *places: tuple[float, float]) -> None:
         figure.text(x, y, f"({chr(97 + n)})", fontsize=12, fontweight="bold")
 
 
-def _montage(
-    scenes: Sequence[AxialScene], rendering: Rendering, titles: list[str], reach: float = 1.45, *, ideal: bool = False
-) -> tuple[Figure, Sequence[Axes]]:
-    """Draw two rows of three frames, with coordinates in the plane z = 0. Return the figure and the six panels.
+def _montage(scenes: Sequence[Scene], rendering: Rendering, titles: list[str]) -> tuple[Figure, Sequence[Axes]]:
+    """Draw two rows of three frames, with coordinates in the plane z = 0. Return the figure and a panel for each scene.
 
-    Each frame ends `reach` tiles from its middle. If `ideal`, a row of the same scenes through the ideal sheet is drawn
-    below each row. The panels of these further rows are not returned.
+    If there are twelve scenes, the last six are drawn in a row below each of the two rows.
     """
-    figure = Figure(figsize=(WIDTH, 9.75 if ideal else 5.05))
+    ideal = len(scenes) > len(titles)
+    figure = Figure(figsize=(WIDTH, 9.95 if ideal else 5.05))
     # the low row leaves room for titles
-    heights = [1, 1, 0.19, 1, 1] if ideal else [1, 1]
-    layout = {"left": 0.045 if ideal else 0.005, "right": 0.995, "top": 0.955 if ideal else 0.945, "bottom": 0.003}
+    heights = [1, 1, 0.24, 1, 1] if ideal else [1, 1]
+    layout = {"left": 0.05 if ideal else 0.005, "right": 0.995, "top": 0.945, "bottom": 0.003}
     spaces = {"hspace": 0.03 if ideal else 0.13, "wspace": 0.03, "height_ratios": heights}
     grid = figure.add_gridspec(len(heights), 3, **layout, **spaces)
-    panels = np.array(
-        [[figure.add_subplot(grid[n, k]) for k in range(3)] for n, high in enumerate(heights) if high == 1]
-    )
-    shown = panels[::2] if ideal else panels
-    _draw_frames(list(shown.ravel()), scenes, rendering, reach)
-    for n, (ax, title) in enumerate(zip(shown.ravel(), titles, strict=True)):
-        entitle(ax, n, title)
-    if ideal:
-        plain = [scene.replace(sheet="ideal") for scene in scenes]
-        _draw_frames(list(panels[1::2].ravel()), plain, rendering, reach)
-        for row, text in zip(panels, ("prisms", "ideal sheet") * 2, strict=True):
-            row[0].text(-0.065, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center")
-    return figure, list(shown.ravel())
+    rows = [[figure.add_subplot(grid[n, k]) for k in range(3)] for n, high in enumerate(heights) if high == 1]
+    panels = [ax for row in (*rows[::2], *rows[1::2]) for ax in row] if ideal else [*rows[0], *rows[1]]
+    _draw_frames(panels, scenes, rendering)
+    for n, title in enumerate(titles):
+        entitle(panels[n], n, title, 12 if ideal else 9)
+    for row, text in zip(rows if ideal else (), ("prisms", "ideal sheet") * 2, strict=ideal):
+        row[0].text(-0.07, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center", fontsize=13)
+    return figure, panels
 
 
-def _draw_frames(panels: Sequence[Axes], scenes: Sequence[AxialScene], rendering: Rendering, reach: float) -> None:
-    """Draw a frame in each panel."""
-    for ax, scene, (frame,) in zip(panels, scenes, render_all(scenes, rendering), strict=True):
-        picture = read_png(frame)
-        high = scene.view / 2
-        wide = high * picture.shape[1] / picture.shape[0]
-        ax.imshow(picture, extent=(-wide, wide, -high, high))
-        ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
+def _draw_frames(panels: Sequence[Axes], scenes: Sequence[Scene], rendering: Rendering) -> None:
+    """Draw a square frame in each panel."""
+    square = rendering.replace(size=(rendering.size[1],) * 2)
+    for ax, scene, (frame,) in zip(panels, scenes, render_all(scenes, square), strict=True):
+        (x, y, _), half = scene.camera.middle, scene.camera.height / 2
+        ax.imshow(read_png(frame), extent=(x - half, x + half, y - half, y + half))
         ax.axis("off")
+
+
+def _outline(ax: Axes, scene: Chess) -> None:
+    """Draw the predicted outline of the piece."""
+    points = outlines(scene, 0.005)
+    for size, colour in ((2.4, "white"), (1.2, PREDICTED)):
+        ax.plot(*xy(points), ".", markersize=size, markeredgewidth=0, color=colour)
 
 
 def _geometry_in_space(ax: Axes, alpha: float, z1: float, z2: float) -> None:
@@ -349,26 +350,28 @@ def _projection(ax: Axes, r: float, alpha: float) -> None:
 
 def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
     """Draw where P lies for constant r and for constant alpha, by eq. 7, and P for the values of the other panels."""
-    plane(ax, (-1.15, 2.15), (-1.6, 1.6))
+    plane(ax, (-1.15, 2.15), (-1.45, 1.45))
     turn = np.linspace(-pi, pi, 721)
-    for r, text in ((1 / 4, "1/4"), (1 / 2, "1/2"), (1, "$r$ = 1"), (2, "2"), (4, "4")):
+    # beside each curve's name: alpha where it stands on the curve of constant r, or r on that of constant alpha
+    for r, text, turned in (
+        (1 / 4, "1/4", 150),
+        (1 / 2, "1/2", 150),
+        (1, "$r$ = 1", 139),
+        (2, "2", 150),
+        (4, "4", 150),
+    ):
         P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
-        label(ax, equations.P(r, radians({1: -140, 1 / 4: -168, 4: -168}.get(r, -155))), text, CONSTANT_R)
+        label(ax, equations.P(r, radians(-turned)), text, CONSTANT_R)
     ratio = np.geomspace(1e-3, 1e3, 721)
-    for alpha in (-135, -120, -90, -60, -30, 0, 30, 60, 90, 120, 135):
-        ax.plot(*xy(equations.P(ratio, radians(alpha))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
-        if abs(alpha) > 30:
-            text = rf"$\alpha$ = {alpha}°" if alpha == 135 else f"{alpha}°".replace("-", "−")
-            label(ax, equations.P(1, radians(alpha)), text, CONSTANT_ALPHA)
+    for alpha, place in ((30, 1.0), (60, 0.6), (90, 0.6), (120, 0.7), (135, 0.75)):
+        for signed in (alpha, -alpha):
+            ax.plot(*xy(equations.P(ratio, radians(signed))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
+            text = rf"$\alpha$ = {signed}°" if signed == 135 else f"{signed}°".replace("-", "−")
+            label(ax, equations.P(place, radians(signed)), text, CONSTANT_ALPHA)
+    ax.plot((0, 1), (0, 0), "--", color=CONSTANT_ALPHA, linewidth=1.2)
     example = complex(equations.P(of_r, of_alpha))
-    for point, text, offset in ((0, "$L$", -0.15 - 0.12j), (1, "$E$", 0.15 - 0.12j), (example, "$P$", -0.08 - 0.16j)):
+    for point, text, offset in ((0, "$L$", -0.13 - 0.13j), (1, "$E$", 0.13 - 0.13j), (example, "$P$", 0.13 - 0.13j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)
-        write(
-            ax,
-            xy(point + offset),
-            text,
-            fontsize=11,
-            zorder=5,
-            path_effects=[withStroke(linewidth=3, foreground="white")],
-        )
+        casing = [withStroke(linewidth=2, foreground="white")]
+        write(ax, xy(point + offset), text, fontsize=11, zorder=5, path_effects=casing)

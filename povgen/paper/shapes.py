@@ -25,19 +25,21 @@ def write(ax: Axes, place: Iterable[float], text: str, **look: Any) -> None:  # 
     ax.text(x, y, text, **{"ha": "center", "va": "center", **look})
 
 
-def entitle(ax: Axes, number: int, title: str = "") -> None:
-    """Write (a) for number 0, (b) for 1, ... at the left above a panel, and a title of one or more lines beside it."""
-    high = 4 + 13 * title.count("\n")  # points from the axes up to the title's first line; its last line is at 4
-    ax.set_title(f"({chr(97 + number)})", loc="left", fontweight="bold", pad=high)
-    look = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "baseline", "fontsize": 9}
-    ax.annotate(title, (0, 1), (20, 4), **look)  # type: ignore[arg-type]
+def entitle(ax: Axes, number: int, title: str = "", size: float = 9) -> None:
+    """Write (a) for number 0, (b) for 1, ... at the left above a panel, a title beside it, and a second line below."""
+    first, _, second = title.partition("\n")
+    high = 4 + 1.4 * size * bool(second)  # points from the axes up to the title's first line; its last line is at 4
+    ax.set_title(f"({chr(97 + number)})", loc="left", fontweight="bold", pad=high, fontsize=size + 1)
+    for text, place in ((first, (2.2 * size, high)), (second, (0, 4))):
+        look = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "baseline", "fontsize": size}
+        ax.annotate(text, (0, 1), place, **look)  # type: ignore[arg-type]
 
 
 def point_at(ax: Axes, place: Place, text: str, text_place: Place, colour: str = "black") -> None:
     """Write a text on white, with an arrow to a place in the picture under it."""
     look = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.2, "shrinkB": 0}
     box = {"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.9}
-    ax.annotate(text, place, text_place, arrowprops=look, bbox=box, color=colour, fontsize=8, ha="center", va="center")
+    ax.annotate(text, place, text_place, arrowprops=look, bbox=box, color=colour, fontsize=9, ha="center", va="center")
 
 
 def arrow(ax: Axes, start: Place, end: Place, colour: str, width: float) -> None:

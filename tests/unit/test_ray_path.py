@@ -131,12 +131,18 @@ def test_a_drawing_names_what_it_shows_and_has_the_sections_of_few_prisms(monkey
     scene = Chess(sheet="single", prisms=3, z1=4)
     axes, lines = drawing(monkeypatch, scene, azimuth=-90, elevation=0)
     assert [text.get_text() for text in axes.texts] == ["eye", "sheet", "knight"]
-    sections = [line for line in lines[plotting.PRISMS][1:] if len(line)]
-    assert len(sections) == 3
+    sections = [patch.get_xy() for patch in axes.patches]
+    assert len(sections) == 3 and plotting.PRISMS not in lines  # an upright line would hide the light in them
     for low, section in zip((-1.5, -0.5, 0.5), sections, strict=True):
         assert np.ptp(section[:, 0]) == pytest.approx(scene.prism.length)
         assert section[:, 1].min() == pytest.approx(low + 0.005) and np.ptp(section[:, 1]) == pytest.approx(0.99)
-    assert len(drawing(monkeypatch, Chess(sheet="single", prisms=13, z1=4))[1][plotting.PRISMS]) == 1
+    light = scene.trace(scene.pencil((0.2, 0.3, 4), 20), path=True)
+    axes, lines = drawing(monkeypatch, scene, traced=light, azimuth=-90, elevation=0)
+    assert "point" in [text.get_text() for text in axes.texts]
+    low, high = axes.get_ylim()
+    assert max(abs(ray[:, 1]).max() for ray in lines[plotting.GREY]) > 100 > 6 > high - low  # stray light leaves it
+    axes, lines = drawing(monkeypatch, Chess(sheet="single", prisms=13, z1=4))
+    assert len(lines[plotting.PRISMS]) == 1 and not axes.patches
 
 
 def behind_prisms(theta, count=6000):

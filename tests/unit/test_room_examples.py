@@ -44,6 +44,10 @@ def test_a_direction_that_goes_round_the_star_returns(rng):
         assert (found.end == End.THROUGH).all()
         way = front * found.direction
     np.testing.assert_allclose(way, Bundle((0, 0, 0), start).direction, atol=1e-6)
+    ray = room.trace(Bundle((0.24, -1.3, -0.6), (-1, 0.455, 0)), path=True)  # the one of the picture goes round
+    assert len({*ray.windows[:8].tolist()}) == 8 and ray.windows[8] == ray.windows[0]
+    first, again = np.diff(ray.corners, axis=0)[[1, 9]]
+    np.testing.assert_allclose(again, first, atol=1e-3)
 
 
 def test_the_box_shows_what_is_behind_it_and_its_knight_elsewhere():

@@ -1,0 +1,129 @@
+"""Make a picture of docs/rooms.md, with lines on it: `python docs/room_pictures.py FILE.toml -o FILE.png`."""
+
+from argparse import ArgumentParser
+from pathlib import Path
+
+import numpy as np
+from matplotlib.font_manager import FontProperties
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import TextPath
+
+from povgen import Room, fonts, render
+from povgen.measure.plotting import IDEAL, PRISMS, Figure, save_drawing, style, withStroke
+from povgen.optics.pose import Floats
+from povgen.optics.rays import Bundle
+from povgen.record import saved_with
+from povgen.video.still import record_of
+
+DPI = 100
+INK, PALE = "#20242a", "#f4efe2"
+CASED = [withStroke(linewidth=4, foreground="white")]
+SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0), (-1, -1, 0)])
+
+
+class Picture:
+    """A room's picture, on which lines are drawn in space, as its eye sees them without windows."""
+
+    def __init__(self, room: Room, size: tuple[int, int]) -> None:
+        self.room, self.size = room, size
+        width, height = size
+        self.figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+        self.ax = self.figure.add_axes((0, 0, 1, 1))
+        high = room.camera.height / 2
+        self.ax.set(xlim=(-high * width / height, high * width / height), ylim=(-high, high))
+        self.ax.axis("off")
+
+    def seen(self, points: Floats) -> Floats:
+        """Return where the eye sees points (n, 3), (n, 2)."""
+        place = self.room.camera.position(points)
+        return np.stack((place.real, place.imag), -1)
+
+    def render(self, room: Room) -> Floats:
+        return render(room, size=self.size, renderer="gl", quality="high")
+
+    def line(self, points: Floats, colour: str, width: float, dashes: str = "-", *, head: bool = False) -> None:
+        """Draw a line through points (n, 3), with an arrowhead at its end if `head`."""
+        seen = self.seen(points)
+        self.ax.plot(*seen.T, dashes, color=colour, linewidth=width, path_effects=CASED)
+        if head:
+            look = {
+                "arrowstyle": "-|>",
+                "color": colour,
+                "shrinkA": 0,
+                "shrinkB": 0,
+                "mutation_scale": 22,
+                "linewidth": 0,
+            }
+            self.ax.annotate("", seen[-1] + 1e-3 * (seen[-1] - seen[-2]), seen[-2], arrowprops=look)
+
+    def write(self, point: Floats, text: str) -> None:
+        """Write a text with its middle at a point (3,)."""
+        self.ax.text(*self.seen(point), text, ha="center", va="center", fontsize=13, color=INK, path_effects=CASED)
+
+
+def windows(picture: Picture) -> None:
+    """Show the room's picture, with the edges of windows that have no frame."""
+    picture.ax.imshow(picture.render(picture.room), extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()))
+    for opening in picture.room.openings:
+        if not opening.framed:
+            picture.line(opening.edge, PRISMS, 1.5)
+
+
+def box(picture: Picture) -> None:
+    """Also outline the knight where it stands."""
+    windows(picture)
+    alone = picture.room.replace(window=(), object=picture.room.object[-1:])
+    places = picture.room.camera.pixels(picture.size)
+    knight = (picture.render(alone) != picture.render(alone.replace(object=()))).any(-1)
+    picture.ax.contour(places[0].real, places[:, 0].imag, knight, [0.5], colors="white", linestyles="dashed")
+    picture.write(np.array((-0.1, 0.7, 0)), "stands here")
+    picture.write(np.array((1.25, 0.7, 0)), "is seen here")
+
+
+def star(picture: Picture) -> None:
+    """Also draw a ray that goes round once."""
+    windows(picture)
+    ray = picture.room.trace(Bundle((0.24, -1.3, -0.6), (-1, 0.455, 0)), path=True).corners[:10]
+    picture.line(ray, IDEAL, 3, head=True)
+    picture.line(ray[:2], IDEAL, 3, head=True)
+    picture.ax.plot(*picture.seen(ray[1:-1]).T, "o", color=IDEAL, markeredgecolor="white")
+
+
+def turns(picture: Picture) -> None:
+    """Draw each board before and after its turn, the axis, and the way of a corner."""
+    axes = {
+        "roll": ("z", (0, 0, 1.8), (1, -1, 0)),
+        "pitch": ("x", (1.2, 0, 0), (-1, 1, 0)),
+        "yaw": ("y", (0, 0.85, 0), (1, -1, 0)),
+    }
+    for board in picture.room.object:
+        (name, axis, corner), place = axes[board.text], board.pose.place
+        size = np.array((*board.size, 0)) / 2
+        turned = [board.replace(**{board.text: angle}).pose.axes for angle in range(46)]
+        picture.line(np.array((place - np.minimum(axis, 1), place + axis)), PRISMS, 2, head=True)
+        picture.write(place + axis + np.array((0.12, 0, 0)), name)
+        picture.line(SQUARE * size + place, "#777777", 1, "--")
+        picture.ax.fill(*picture.seen(SQUARE * size @ turned[-1] + place).T, facecolor=PALE, edgecolor=INK, zorder=2)
+        text = TextPath((0, 0), board.text, size=1.2 * size[1], prop=FontProperties(fname=fonts.BOLD))
+        flat = text.vertices - (text.vertices.max(0) + text.vertices.min(0)) / 2
+        outline = picture.seen(np.pad(flat, ((0, 0), (0, 1))) @ turned[-1] + place)
+        picture.ax.add_patch(PathPatch(Outline(outline, text.codes), facecolor=INK, linewidth=0, zorder=2))
+        picture.line(np.array([size * corner @ each + place for each in turned]), IDEAL, 3, head=True)
+
+
+def main() -> None:
+    """Write the picture."""
+    parser = ArgumentParser()
+    parser.add_argument("room", type=Path)
+    parser.add_argument("-o", dest="output", type=Path, required=True)
+    given = parser.parse_args()
+    name, room = given.room.stem, Room.load(given.room)
+    with style(), saved_with(record_of([room])):
+        picture = Picture(room, (1280, 400) if name == "turns" else (640, 480))
+        {"box": box, "star": star, "turns": turns}.get(name, windows)(picture)
+        save_drawing(picture.figure, given.output)
+
+
+if __name__ == "__main__":
+    main()
