@@ -66,15 +66,17 @@ demo: | $(READY) build  ## a page for teaching, build/demo.html: the scene, live
 test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
 # numpy has no large matrices here: its further threads would only wait, and take CPU time for that.
 test-fast test test-release coverage: export OPENBLAS_NUM_THREADS = 1
+# Mesa draws small pictures here, and several at once: threads for each would wait for one another.
+test-fast test test-release coverage: export LP_NUM_THREADS = 0
 
 test-fast: $(VENV)/test-ready test-deps gl-deps  ## tests of the mathematics and of the command line, in about a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 3 --dist loadgroup
 
 test: $(VENV)/test-ready test-deps gl-deps  ## all tests except those of test-release
-	$(VENV)/bin/python -m pytest --numprocesses 6 --dist loadgroup
+	$(VENV)/bin/python -m pytest --numprocesses 4 --dist loadgroup
 
 test-release: $(VENV)/lint/ready test-deps gl-deps firefox-deps  ## the variants that take long; tests with every Python here, with the oldest packages, and in Firefox
-	$(VENV)/bin/python -m pytest -m release --numprocesses 6 --dist loadgroup
+	$(VENV)/bin/python -m pytest -m release --numprocesses 4 --dist loadgroup
 
 coverage: $(VENV)/test-ready test-deps gl-deps | build  ## which lines of povgen no test runs: a table, and pages in build/coverage
 	COVERAGE_FILE=build/coverage.data $(VENV)/bin/python -m pytest tests/unit tests/cli tests/fuzz tests/render --numprocesses 6 --dist loadgroup \

@@ -31,7 +31,7 @@ export function light({ context }, width, height, rays, part = 1) {
   return numbers(gl, width, height);
 }
 
-const STILL = { RAYS: 16, PUPIL: 64, MOST: 4000 };  // rays a pixel of a picture to save, also to a pupil; fewer if they take so many ms
+export const STILL = { RAYS: 16, PUPIL: 64, MOST: 4000 };  // rays a pixel of a picture to save, also to a pupil; fewer if they take so many ms
 
 // A picture of this size, on a canvas of its own.
 export function still({ context, canvas }, width, height) {

@@ -225,6 +225,7 @@ export function showInputs(now) {
   $("best-focus").checked = state.focus === "best";
   const main = mainSlider();
   for (const name of Object.keys(SLIDERS)) $(`row-${name}`).classList.toggle("main", name === main);
+  $("play").classList.toggle("of-other", player.preset.parameter !== main);
   $("row-prisms").hidden = (now.beyond || simple) && !now.glass;
   $("beyond-choice").hidden = simple && beyond === "none";
   $("beyond").value = beyond;

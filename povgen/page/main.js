@@ -46,6 +46,7 @@ function drawPage() {
   drawTabs();
   drawQuestion();
   drawPlace();
+  player.follow();
   showInputs(now);
   showNumbers(now);  // before the drawings: the length of the text decides how large they are
   drawOverlay(now);

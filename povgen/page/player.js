@@ -3,7 +3,7 @@
 import { hasPiece } from "../liveview/presets.js";
 import { $, clamped, data, element, refresh, write } from "./data.js";
 import { brief, quantity, say, SYMBOL } from "./language.js";
-import { change, chosenBeyond, OPENING, replace, START, state, usesAlpha } from "./state.js";
+import { change, chosenBeyond, OPENING, replace, session, START, state, usesAlpha } from "./state.js";
 
 const SLOWER = 4;  // how many times as long a movie takes, if it is to be slow
 export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
@@ -95,10 +95,12 @@ export const player = {
   },
 
   // A preset is for a scene: another scene takes its own. A sheet beyond the paper that has no alpha takes another parameter.
+  // A step of a lesson takes what it is about.
   follow() {
     const isMoot = ({ parameter }) => parameter === "alpha" && state.sheet in data.kinds && !usesAlpha(state.sheet);
     if (this.preset.scene !== state.scene) this.reset();
     if (isMoot(this.preset)) this.preset = data.presets.find((preset) => preset.scene === state.scene && !isMoot(preset)) ?? this.preset;
+    this.preset = data.presets.find(({ scene, parameter }) => scene === state.scene && parameter === session.about) ?? this.preset;
   },
 
   reset() {
@@ -107,7 +109,6 @@ export const player = {
   },
 
   draw({ z1, z2 }) {
-    this.follow();
     const { parameter, start, stop } = this.ends(), x = { ...state, z1, z2 }[parameter];
     for (const button of $("presets").children) {
       button.setAttribute("aria-pressed", data.presets[button.value] === this.preset && chosenBeyond() === "none");

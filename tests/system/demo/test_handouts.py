@@ -88,6 +88,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.reload()
     expect(lesson).to_have_text(re.compile(r"Stunde\s+11/14"))
     expect(page.locator("input[type=range]:visible")).to_have_id("slider-z1")  # what the step is about
+    assert page.evaluate("povgen.player.player.preset.parameter") == "z1"  # which Play moves
     expect(page.get_by_text("Weit weg: Der Springer dreht sich um die Hälfte von α")).to_be_visible()
     page.keyboard.press("PageUp")
     page.wait_for_function("povgen.questions.isAsked()")
@@ -101,7 +102,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.keyboard.press("PageDown")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/14"))
     page.get_by_role("button", name="Beenden").click()
-    page.evaluate("povgen.picture.view.ready.then(() => {})")
+    page.evaluate("povgen.readout.STILL.MOST = 0; povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
     page.evaluate(
         """async () => {

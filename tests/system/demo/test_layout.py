@@ -139,6 +139,7 @@ def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, lang
                 assert page.evaluate(COVERED, 1 / 40) == [], (size, values)
                 sliders = page.locator("input[type=range]:visible").evaluate_all("(all) => all.map(({ id }) => id)")
                 assert sliders == ([f"slider-{slider}"] if slider else [])
+                expect(page.locator("#play")).to_be_visible(visible=slider == "alpha")  # what it moves
                 for part in ("#leave", "#sentence", "#sheet"):
                     expect(page.locator(part)).to_be_visible()
                 shown = page.locator("#space-turn" if "large" in values else "#stage").bounding_box()
@@ -173,8 +174,9 @@ def test_a_finger_that_scrolls_from_a_slider_and_two_on_the_picture_change_nothi
     page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
     assert page.evaluate("say('page.hint')") == "Drag the object, or beside it to move your eye"  # by no keys
     upright, sideways = (390, 844), (740, 360)
-    # two fingers on the picture: what the first one has begun to drag is as it was, and the page does not scroll
+    # two fingers on the picture enlarge the page: what the first one has begun to drag is as it was
     resize(page, upright)
+    window = page.context.new_cdp_session(page)
     for hash_, y, begun in (
         ("#z1=2", 150, 40),
         ("#z1=2", 130, 15),
@@ -186,6 +188,8 @@ def test_a_finger_that_scrolls_from_a_slider_and_two_on_the_picture_change_nothi
         moved = ([(195 - x, y), (195 + x, y)] for x in (begun, 75, 110))
         touch(page, [(195 - begun, y)], [(190 - begun, y)], *moved)
         assert page.evaluate("({ ...state, top: scrollY })") == before, hash_
+        assert page.evaluate("visualViewport.scale") > 1.2
+        window.send("Emulation.setPageScaleFactor", {"pageScaleFactor": 1})
     page.evaluate("fromHash('#z1=2.345')")
     page.evaluate("change({ compare: 'none' })")
     for size, slider, across, down, changes in (

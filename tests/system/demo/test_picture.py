@@ -29,12 +29,12 @@ def test_it_opens_on_the_ideal_sheet_with_the_whole_piece(page):
 
 def test_a_piece_is_drawn_when_its_shape_has_been_read(page):
     picture(page, COARSE)
-    page.evaluate("window.kept = view.shapes.fields; view.shapes.fields = kept.slice(0, 1)")
+    page.evaluate("window.kept = view.shapes.fields; void (view.shapes.fields = kept.slice(0, 1))")
     show(page, piece="king")
     frames = "(count) => { let n = 0; const tick = () => ++n < count ? requestAnimationFrame(tick) : done(); tick(); }"
     page.evaluate(f"() => new Promise((done) => ({frames})(5))")
     assert page.evaluate("[view.unread, view.stale]") == [page.evaluate("view.shapes.names.indexOf('king')"), True]
-    page.evaluate("view.shapes.fields = kept")
+    page.evaluate("void (view.shapes.fields = kept)")
     page.wait_for_function("view.converged()")
 
 
@@ -326,7 +326,7 @@ def test_a_curtain_shows_two_settings(page):
     page.locator("#curtain").press("ArrowLeft")
     assert page.evaluate("session.curtain") == 0.49
     # hidden and shown again, it need not make its shaders anew
-    page.evaluate("window.held = otherView().context")
+    page.evaluate("void (window.held = otherView().context)")
     for compare in ("off", "none"):
         show(page, compare=compare)
         page.wait_for_function("(seen) => otherView().inSight === seen", arg=compare != "off")
