@@ -137,9 +137,8 @@ def chart() -> None:
         right.set_title("Up to a pitch of 5 mm, prisms are sharper than lenses")
         right.axvline(5, color=GREY, linestyle=":")
         right.text(5.2, 1.05, "5 mm", color=GREY, va="bottom")
-        conditions = (
-            "f-number: of confocal lenses; index 1.517; right: a point 1 m behind the window, the eye 1 m before it"
-        )
+        conditions = "f-number: of confocal lenses (thin lenticulars: 2, in air); index 1.517; "
+        conditions += "right: a point 1 m behind the window, the eye 1 m before it"
         figure.supxlabel(conditions, fontsize=11)
         for axis in (right.xaxis, right.yaxis):
             plain_ticks(axis)
