@@ -334,10 +334,6 @@ TABS.forEach((tab, n) => {
     refresh();
   });
   tab.addEventListener("keydown", (event) => {
-    if (n === 1 && event.key === "Tab" && !event.shiftKey) {  // the question comes before its buttons
-      event.preventDefault();
-      $("ask").focus();
-    }
     const aside = { ArrowLeft: -1, ArrowRight: 1 }[event.key], other = TABS.at((n + aside) % TABS.length);
     if (!aside) return;
     event.preventDefault();

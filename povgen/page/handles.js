@@ -89,7 +89,7 @@ function hold(event, what, toTiles, map, before = { ...state }) {
 }
 
 function release({ type }) {
-  // the browser scrolls the page instead, or there is a second finger
+  // the drag is taken back, with what began it
   if (["pointercancel", "pointerdown"].includes(type) && session.held) change(session.held.before);
   session.held = null;
   document.body.classList.remove("dragging");

@@ -71,8 +71,8 @@ export function drawMeasure(now) {
   $("tool").style.fontSize = `${rem}px`;
   $("tool").replaceChildren(
     ...[B, C].flatMap((end) => [line("halo", A, end), line("arm", A, end)]), ...ticks(points.A, points.C), arc("halo", A, radius, start, found), arc("arm", A, radius, start, found),
-    words("reading", step(A, start + found / 2, 1.35 * radius), angle(found)),
-    words("reading", step(scaled(0.5, plus(A, C)), -Math.PI / 2, 1.2 * rem), tilesText(AC)),
+    // numbers of other settings, or of points that nobody has placed, would be taken for what is seen
+    ...(placed !== present() ? [] : [words("reading", step(A, start + found / 2, 1.35 * radius), angle(found)), words("reading", step(scaled(0.5, plus(A, C)), -Math.PI / 2, 1.2 * rem), tilesText(AC))]),
     ...Object.keys(points).flatMap((name, n) => [dot("end", [A, B, C][n], 5), words("reading", step([A, B, C][n], n ? Math.PI / 2 : -Math.PI / 2, rem), name)]),
   );
   for (const [name, place] of Object.entries(points)) {
@@ -140,6 +140,7 @@ $("write-down").addEventListener("click", () => {
 on("tell", "click", () => {
   session.answered = !session.answered;
   told = present();
+  requestAnimationFrame(() => session.answered && $("sentence").scrollIntoView({ block: "nearest" }));
 });
 on("put-on", "click", () => {
   const now = moment(), tall = height() || now.radii[now.objects.indexOf(now.z1)];

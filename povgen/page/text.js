@@ -28,7 +28,7 @@ export function explanation(now) {
 export function heard(now) {
   const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
   if (limits.length) return [...limits, ...(session.refusals.length || isToBeFound() ? [] : [seen(now)])];
-  return [...mountains(now), explanation(now), pointsSaid(now), ...light];
+  return [...(QUESTIONS[state.question]?.says ? [] : mountains(now)), explanation(now), pointsSaid(now), ...light];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });

@@ -121,6 +121,7 @@ export const tour = {
     $("tour-count").textContent = this.intro ? "" : this.place("count");
     $("tour-pause").textContent = say(this.paused ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
+    $("tour-back").disabled = this.intro || this.step === 0;
     $("tour-next").textContent = say(this.step === this.steps.length - 1 ? "tour.done" : "asking.next");
   },
 };
@@ -136,6 +137,7 @@ for (const button of document.querySelectorAll("[name=tour]")) button.addEventLi
   begin(Number(button.value));
 });
 $("tour-next").addEventListener("click", () => tour.next());
+$("tour-back").addEventListener("click", () => tour.go(tour.step - 1));
 on("tour-pause", "click", () => {
   tour.paused = !tour.paused;
   if (!tour.paused) $("spoken").textContent = say("tour.goes_on");

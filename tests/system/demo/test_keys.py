@@ -25,7 +25,7 @@ def test_keys_and_their_off_switch(page):
         page.keyboard.press(key)
         assert page.evaluate("[state.sheet, player.playing]") == ["ideal", False], control
     assert page.evaluate("$('loop').checked")  # the control has had its key
-    page.evaluate("document.querySelector('details').open = true")
+    page.evaluate("document.querySelector('footer details').open = true")
     page.get_by_label("Single keys are shortcuts").uncheck()
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("p")
@@ -60,7 +60,10 @@ def test_the_focus_stays_where_something_opens_or_moves(page):
     page.locator("#tab-questions").press("Enter")
     page.evaluate("draw()")
     page.locator("#tab-questions").press("Tab")
-    expect(page.locator("#ask")).to_be_focused()
+    page.locator("#level").press("Tab")
+    expect(page.locator("#prediction input").first).to_be_focused()
+    page.locator("#reveal").press("Tab")
+    expect(page.locator("#next")).to_be_focused()  # the first question has none before it
     expect(page.locator("#prediction")).to_have_accessible_name(page.locator("#ask").text_content())
 
 

@@ -369,7 +369,7 @@ def test_all_that_the_view_of_the_light_names_is_inside_it(page, size, language)
 def test_axe_finds_no_fault(page, size, values, presses):
     """Of the page as it opens, and after each press: of a button, of all aids of a question, of another language."""
     resize(page, size)
-    page.evaluate("document.querySelector('details').open = true")
+    page.evaluate("document.querySelectorAll('details').forEach((each) => (each.open = true))")
     show(page, **values)
     press = """(name) => {
       if (name === "aids") for (const each of document.querySelectorAll("#aids [aria-controls]")) each.click();
@@ -388,4 +388,5 @@ def test_axe_finds_no_fault(page, size, values, presses):
         for name in ["en", *reversed(closing), *(["dark"] if presses.count("dark") % 2 else [])]:
             if not (name == "share-open" and "present" in presses):
                 page.evaluate(press, name)
-        page.evaluate("$('teach').close(); openQuestion(-1); document.querySelector('details').open = false; draw()")
+        page.evaluate("document.querySelectorAll('details').forEach((each) => (each.open = false))")
+        page.evaluate("$('teach').close(); openQuestion(-1); draw()")

@@ -130,6 +130,8 @@ def test_who_goes_from_step_to_step_sees_and_hears_where_each_one_ends(tour):
         button.press("Enter")
         tour.evaluate("draw()")
         expect(spoken).to_have_text(re.compile(f"^{text}.*{seen}"))
+    tour.get_by_role("button", name="Previous").click()
+    expect(tour.locator("#tour-text")).to_have_text(re.compile("^A hundred such prisms"))
 
 
 def test_it_begins_at_the_level_of_experts_too(page):
