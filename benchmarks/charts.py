@@ -12,6 +12,7 @@ from functools import partial
 from itertools import product
 from math import ceil
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING
 from unittest.mock import patch
 
@@ -22,7 +23,7 @@ from povgen.files import temporary_folder
 from povgen.measure import charts, speed
 from povgen.measure.browser import View, chromium
 from povgen.measure.measured import SMALL, px, rms
-from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn, plain_ticks, save_table, table_rows
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, drawn, name_lines, plain_ticks, save_table, table_rows
 from povgen.measure.targets import located, other_targets, series_targets, targets
 from povgen.progress import say
 from povgen.rendering import parallel
@@ -166,35 +167,44 @@ def workers() -> Iterator[Row]:
 
 
 def draw_prisms(rows: list[list[str]], folder: Path) -> None:
-    with drawn(12, 4.6, folder / "prisms.png", folder / "prisms.svg") as figure:
-        labels = {3: "distance from the ideal image (px of 1280x960)", 2: "CPU seconds for a frame of 640x480"}
-        for ax, (column, label) in zip(figure.subplots(1, 2), labels.items(), strict=True):
+    with drawn(11, 5, folder / "prisms.png", folder / "prisms.svg") as figure:
+        left, right = figure.subplots(1, 2)
+        left.set(title="The error is proportional to 1/N", ylabel="distance from the ideal image (px of 1280x960)")
+        right.set(title="3000 prisms cost a sixth more than 100", ylabel="CPU seconds for a frame of 640x480")
+        left.set(yscale="log", ylim=(0.03, 20))
+        plain_ticks(left.yaxis, (1,))
+        for ax, column in ((left, 3), (right, 2)):
             detailed = [(int(row[1]), float(row[column])) for row in rows if row[0] == "detailed"]
-            ax.plot(*np.transpose(detailed), "o-", color=PRISMS, label="2 × N prisms")
-            ideal = next(float(row[column]) for row in rows if row[0] == "ideal")
-            ax.axhline(
-                max(ideal, 0.01), color=IDEAL, label="ideal sheet" if ideal > 0.01 else "ideal sheet: below 0.01"
-            )
-            ax.set(xscale="log", xlabel="prisms N of a sheet", ylabel=label)
+            ax.plot(*np.transpose(detailed), "o-", color=PRISMS, label="2 sheets of N prisms")
+            ax.set(xscale="log", xlabel="prisms N of a sheet")
             plain_ticks(ax.xaxis)
             ax.grid(alpha=0.25)
-            ax.legend()
-        figure.axes[0].set(yscale="log")
-        plain_ticks(figure.axes[0].yaxis, (1,))
-        figure.axes[1].set_ylim(bottom=0)
+        right.axhline(
+            next(float(row[2]) for row in rows if row[0] == "ideal"), color=IDEAL, ls="--", label="ideal sheet"
+        )
+        right.set_ylim(bottom=0)
+        below = {"color": IDEAL, "ha": "center", "arrowprops": {"arrowstyle": "->", "color": IDEAL}}
+        left.annotate("ideal sheet: below 0.01", (100, 0.03), (100, 0.12), **below)
+        for ax in (left, right):
+            name_lines(ax)
 
 
 def draw_beyond(rows: list[list[str]], folder: Path) -> None:
-    names = [f"{row[1]} window{'s' * (row[1] > '1')}, {row[0]}" if row[1].isdecimal() else row[1] for row in rows][::-1]
-    with drawn(12, 5.2, folder / "beyond.png", folder / "beyond.svg") as figure:
-        labels = {2: "CPU seconds for a frame of 640x480", 3: "distance from the exact position (px of 1280x960)"}
-        for ax, (column, label) in zip(figure.subplots(1, 2, sharey=True), labels.items(), strict=True):
-            colours = [PRISMS if row[0] == "detailed" else IDEAL for row in rows[::-1]]
-            bars = ax.barh(names, [float(row[column]) for row in rows[::-1]], color=colours)
-            ax.bar_label(
-                bars, [x if x != "0.00" else "below 0.01" for x in (f"{b.get_width():.2f}" for b in bars)], padding=4
-            )
-            ax.set(xlabel=label)
+    kinds = {"ideal": "ideal sheets", "detailed": "prisms"}
+    names = [
+        f"{row[1]} window{'s' * (row[1] > '1')}, {kinds[row[0]]}" if row[0] in kinds else fill(OTHER[row[1]].title, 26)
+        for row in rows
+    ]
+    with drawn(11, 5.4, folder / "beyond.png", folder / "beyond.svg") as figure:
+        left, right = figure.subplots(1, 2, sharey=True)
+        left.set(title="Three windows cost 2.2 times as much as one", xlabel="CPU seconds for a frame of 640x480")
+        right.set(title="Only prisms displace what is seen")
+        right.set(xlabel="distance from the exact position (px of 1280x960)")
+        left.invert_yaxis()
+        for ax, column in ((left, 2), (right, 3)):
+            values = [float(row[column]) for row in rows]
+            bars = ax.barh(names, values, color=[PRISMS if row[0] == "detailed" else IDEAL for row in rows])
+            ax.bar_label(bars, [f"{x:.2f}" if x >= 0.01 else "below 0.01" for x in values], padding=4)
             ax.margins(x=0.2)
 
 
@@ -204,10 +214,11 @@ def draw_workers(rows: list[list[str]], folder: Path) -> None:
         ax = figure.subplots()
         ax.plot(count, wall, "o-", color=PRISMS, label="measured")
         ax.plot(count, wall * busy, ":", color=GREY, label="if no core were idle")
-        label = f"POV-Ray processes at once, on {cores[0]:g} cores"
-        ax.set(xlabel=label, ylabel="wall seconds for 61 frames of 320x240", xticks=count)
-        ax.set_ylim(0)
-        ax.legend()
+        ax.set(title="Eight POV-Ray processes keep two cores busy", ylabel="wall seconds for 61 frames of 320x240")
+        ax.set_xscale("log", base=2)
+        ax.set_xticks(count, [f"{each:g}" for each in count])
+        ax.set(xlabel=f"POV-Ray processes at once, on {cores[0]:g} cores", ylim=(0, None))
+        name_lines(ax)
 
 
 MEASURES: dict[str, Callable[[], Iterable[Row]]] = {
@@ -231,7 +242,8 @@ def measure(folder: Path) -> None:
 
 def draw(folder: Path) -> None:
     """Draw the charts of the tables in a folder."""
-    charts.draw_frames(folder)
+    titles = "Prisms: gl costs a tenth of POV-Ray", "Ideal sheet: gl costs a third to a half"
+    charts.draw_frames(folder, titles)
     for name, drawing in DRAWINGS.items():
         drawing(table_rows(folder / f"{name}.csv"), folder)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from lines import save_lines
 
-from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, plain_ticks
+from povgen.measure.plotting import COLOURS, GREY, PRISMS, Axes, drawn, name_lines, plain_ticks
 from povgen.optics.faces import GlassSheet
 from povgen.optics.ghosts import field
 from povgen.optics.prism import Prism
@@ -108,7 +108,7 @@ def table() -> None:
 
 def chart() -> None:
     """Draw the share of light on the designed path of one sheet against the field angle, and blur against the pitch."""
-    with drawn(13, 4.8, CHART, CHART.with_suffix(".svg")) as figure:
+    with drawn(11.5, 5, CHART, CHART.with_suffix(".svg")) as figure:
         left, right = figure.subplots(1, 2)
         angles = np.arange(0, 31)
         n = 4000
@@ -136,21 +136,23 @@ def chart() -> None:
         right.set(xlabel="pitch (mm)", ylabel="RMS blur (minutes of arc)")
         right.set_title("Up to a pitch of 5 mm, prisms are sharper than lenses")
         right.axvline(5, color=GREY, linestyle=":")
-        conditions = "refractive index 1.517; right: a point 1 m behind the window, the eye 1 m before it"
-        figure.supxlabel(conditions, fontsize=10, color="#444444")
-        for ax in (left, right):
-            ax.grid(alpha=0.25)
+        right.text(5.2, 1.05, "5 mm", color=GREY, va="bottom")
+        conditions = "f-number: of confocal lenses (thin lenticulars: 2, in air); index 1.517; "
+        conditions += "right: a point 1 m behind the window, the eye 1 m before it"
+        figure.supxlabel(conditions, fontsize=11)
         for axis in (right.xaxis, right.yaxis):
             plain_ticks(axis)
-        left.legend()  # the lines on the right have the same colours
+        for ax in (left, right):
+            ax.grid(alpha=0.25)
         save_lines(CHART.with_suffix(".csv"), left, right)
+        for ax in (left, right):
+            name_lines(ax, short=lambda name: name.split(", ")[-1 if "confocal" in name else 0])
 
 
 def draw(ax: Axes, x: Sequence[float], y: Sequence[float], name: str) -> None:
-    """Draw a line: prisms thick and blue, lenses in other colours."""
-    prism = isinstance(KINDS[name], Prism)
-    colour = PRISMS if prism else COLOURS[[*KINDS].index(name)]
-    ax.plot(x, y, color=colour, linewidth=2.5 if prism else 1.5, label=name)
+    """Draw a line: prisms thick and blue, lenses in other colours and dashes."""
+    n = DRAWN.index(name)
+    ax.plot(x, y, ("-", "-", "-.", "--")[n], color=(PRISMS, COLOURS[2], COLOURS[4], GREY)[n], linewidth=1.5, label=name)
 
 
 if __name__ == "__main__":

@@ -108,7 +108,7 @@ def draw_rays(ax: Axes) -> None:
         ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), ":", color=GREY)
         at_sheet = radius * np.exp(2j * pi * np.arange(count) / count)
         before = at_sheet * (1 + 1.5 / equations.depth(Z1, 0, radians(ALPHA)))
-        ax.text(0, below, f"radius {radius:g}", color=GREY, fontsize=9, ha="center", va="bottom")
+        ax.text(0, below, f"radius {radius:g}", color=GREY, ha="center", va="bottom")
         for P, Q in zip(at_sheet, before, strict=True):
             ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "-|>", "color": IDEAL})
     ax.plot(0, 0, "o", color="black", markersize=9)

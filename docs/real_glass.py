@@ -6,7 +6,7 @@ import numpy as np
 from lines import save_lines
 
 from povgen import Bundle, Chess
-from povgen.measure.plotting import GREY, Axes, drawn, plain_ticks
+from povgen.measure.plotting import GREY, Axes, drawn, name_lines, plain_ticks
 from povgen.optics.equations import depth
 from povgen.optics.polarisation import transmission
 
@@ -27,14 +27,18 @@ def save_charts(folder: Path) -> None:
         ax = figure.subplots()
         draw_polarisation(ax)
         save_lines(folder / "polarisation.csv", ax)
-        ax.legend()
-    with drawn(12, 4.5, folder / "diffraction.png") as figure:
+        name_lines(ax)
+    with drawn(11, 5, folder / "diffraction.png") as figure:
         left, right = figure.subplots(1, 2)
         draw_blur(left)
         draw_best_pitch(right)
         save_lines(folder / "diffraction.csv", left, right)
+        conditions = (
+            f"left: z₁ = 0.3 to 10 m, 550 nm, α = {ALPHA}°, the eye {Z2:g} m before the sheets; dots: the best pitch"
+        )
+        figure.supxlabel(conditions, fontsize=11)
         for ax in (left, right):
-            ax.legend()
+            name_lines(ax, short=lambda name: name.split(":")[0].split(" = ")[-1])
 
 
 def draw_polarisation(ax: Axes) -> None:
@@ -67,7 +71,7 @@ def draw_blur(ax: Axes) -> None:
     ax.set(xlabel="pitch, mm", ylabel="RMS blur, minutes of arc", ylim=(0.3, 30), xlim=(0.03, 10))
     plain_ticks(ax.xaxis, (1,))
     plain_ticks(ax.yaxis)
-    ax.set_title(f"Each distance has a best pitch (550 nm, α = {ALPHA}°, eye at {Z2:g} m)")
+    ax.set_title("Each distance has a best pitch")
 
 
 def minutes(pitch: float | np.ndarray, z1: float) -> np.ndarray:
@@ -84,11 +88,11 @@ def best_pitch(wavelength: float, z1: float | np.ndarray) -> np.ndarray:
 def draw_best_pitch(ax: Axes) -> None:
     """Draw the pitch of least blur against the distance of the object, for several wavelengths."""
     z1 = np.geomspace(0.1, 100, 100)
-    for name, wavelength in WAVELENGTHS.items():
-        ax.loglog(z1, 1e3 * best_pitch(wavelength, z1), color=LIGHT[name], linewidth=2, label=name)
-    ax.fill_between(z1, 0.1, 1, color="#e6e6e6")
-    ax.text(95, 0.105, "pitches in the paper: 0.1 to 1 mm", color=GREY, ha="right", va="bottom")
-    ax.set(xlabel="distance of the object z₁, m", ylabel="pitch of least blur, mm", xlim=(0.1, 100))
+    for (name, wavelength), dashes in zip(WAVELENGTHS.items(), ("--", "-", ":"), strict=True):
+        ax.loglog(z1, 1e3 * best_pitch(wavelength, z1), dashes, color=LIGHT[name], linewidth=2, label=name)
+    ax.axhspan(0.1, 1, color="#e6e6e6")
+    ax.text(350, 0.105, "pitches in the paper: 0.1 to 1 mm", color=GREY, ha="right", va="bottom")
+    ax.set(xlabel="distance of the object z₁, m", ylabel="pitch of least blur, mm", xlim=(0.1, 400))
     plain_ticks(ax.xaxis, (1,))
     plain_ticks(ax.yaxis)
     ax.set_title("The farther the object, the wider the best prisms")

@@ -6,7 +6,18 @@ from textwrap import fill
 
 import numpy as np
 
-from povgen.measure.plotting import COLOURS, GREY, IDEAL, PRISMS, Axes, drawn, plain_ticks, save_table, table_rows
+from povgen.measure.plotting import (
+    COLOURS,
+    GREY,
+    IDEAL,
+    PRISMS,
+    Axes,
+    drawn,
+    name_lines,
+    plain_ticks,
+    save_table,
+    table_rows,
+)
 from povgen.measure.speed import SIZES, Point
 from povgen.measure.tolerance import Change, percentile
 from povgen.settings import AS_DRAWN, QUALITIES, Print, Rendering
@@ -26,52 +37,57 @@ def save_frames(points: Sequence[Point], folder: Path) -> None:
     draw_frames(folder)
 
 
-def draw_frames(folder: Path) -> None:
+def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet")) -> None:
     """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right."""
     rows = table_rows(folder / "frames.csv")
     for width, height in dict.fromkeys((row[2], row[3]) for row in rows):
         name = f"frames-{width}x{height}"
-        with drawn(12, 6.2, folder / f"{name}.png", folder / f"{name}.svg") as figure:
-            for ax, sheet in zip(figure.subplots(1, 2, sharex=True, sharey=True), ("detailed", "ideal"), strict=True):
-                shown = [row for row in rows if row[2:4] == [width, height]]
-                _scatter(ax, [row for row in shown if row[0].endswith("ideal") == (sheet == "ideal")], sheet)
-                ax.set(title={"detailed": "Prisms", "ideal": "Ideal sheet"}[sheet])
-                ax.set(xlabel=f"CPU seconds for a frame of {width}x{height}")
-            figure.axes[0].set(ylabel="error: RMS difference from the converged picture (1: white)")
+        with drawn(11, 5.8, folder / f"{name}.png", folder / f"{name}.svg") as figure:
+            shown = [row for row in rows if row[2:4] == [width, height]]
+            axes = figure.subplots(1, 2)
+            axes[0].set(ylabel="RMS error (1: white)")
+            marks = "marks: samplings; large: povgen's qualities; grey: another sampling costs less and errs less"
+            figure.supxlabel(marks, fontsize=11)
+            for ax, prisms, title in zip(axes, (True, False), titles, strict=True):
+                ax.set(xscale="log", yscale="log", title=title, xlabel=f"CPU seconds for a frame of {width}x{height}")
+                for axis in (ax.xaxis, ax.yaxis):
+                    plain_ticks(axis)
+                ax.grid(alpha=0.25)
+                ax.margins(0.2, 0.15)  # room for names
+                _scatter(ax, [row for row in shown if row[0].endswith("ideal") != prisms], prisms)
 
 
-def _scatter(ax: Axes, rows: Sequence[Row], sheet: str) -> None:
+LOOKS = {  # of a method: the renderer, its line and mark, and its colour
+    "detailed": ("POV-Ray", "--o", PRISMS),
+    "gl detailed": ("gl (without GPU)", "-D", PRISMS),
+    "live detailed": ("live view (browser)", ":^", GREY),
+    "ideal": ("POV-Ray", "--o", IDEAL),
+    "gl ideal": ("gl (without GPU)", "-D", IDEAL),
+    "live ideal": ("live view (browser)", ":^", GREY),
+    "intersections": ("by hand: intersections", ":x", COLOURS[2]),
+    "prisms": ("by hand: prism objects", ":s", COLOURS[3]),
+    "Mitsuba scalar_rgb": ("Mitsuba 3", ":v", COLOURS[4]),
+}
+
+
+def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
     """Draw RMS against CPU seconds: a line joins the samplings for which no cheaper one has a smaller error."""
     names: dict[str, list[str]] = {}  # of povgen's qualities, by their sampling
     for quality in QUALITIES:
-        names.setdefault(Rendering(quality=quality).suited(sheet != "ideal").sampling, []).append(quality)
-    own = IDEAL if sheet == "ideal" else PRISMS
-    renderers = {  # label, marker, colour, and where the names of the qualities stand: points to the right and up
-        sheet: ("POV-Ray", "o", own, (8, 5)),
-        f"gl {sheet}": ("gl (without GPU)", "D", own, (-8, -12)),
-        f"live {sheet}": ("live view (browser)", "^", GREY, (0, 0)),
-    }
-    others = zip("xsv*", (*COLOURS[2:5], COLOURS[6]), strict=True)
+        names.setdefault(Rendering(quality=quality).suited(prisms).sampling, []).append(quality)
+    large = []
     for method in dict.fromkeys(row[0] for row in rows):
-        label, mark, colour, aside = renderers.get(method) or (method, *next(others), (0, 0))
-        found = [(row[1], float(row[4]), float(row[5])) for row in rows if row[0] == method]
-        best = [each for each in sorted(found, key=lambda each: each[1])]
-        best = [each for n, each in enumerate(best) if all(each[2] < before[2] for before in best[:n])]
-        ax.plot(*np.transpose([each[1:] for each in found]), mark, color="#d4d4d4", markersize=4)
-        dashes = {"o": "--", "D": "-"}.get(mark, ":")
-        ax.plot(*np.transpose([each[1:] for each in best]), dashes + mark, color=colour, markersize=4, label=label)
-        for sampling, x, y in found if any(aside) else ():
+        label, look, colour = LOOKS[method]
+        found = sorted((float(row[4]), float(row[5]), row[1]) for row in rows if row[0] == method)
+        best = [each for n, each in enumerate(found) if all(each[1] < before[1] for before in found[:n])]
+        for x, y, sampling in found:
             if sampling in names:
-                ax.plot(x, y, mark, color=colour, markersize=11, markeredgecolor="white")
-                side = "left" if aside[0] > 0 else "right"
-                look = {"textcoords": "offset points", "color": colour, "ha": side}
-                ax.annotate(", ".join(names[sampling]), (x, y), aside, **look)  # type: ignore[arg-type]
-    ax.set(xscale="log", yscale="log")
-    plain_ticks(ax.xaxis)
-    plain_ticks(ax.yaxis)
-    ax.grid(alpha=0.25)
-    ax.margins(0.2, 0.12)  # room for names
-    ax.legend(title="large: povgen's qualities", loc="upper right" if sheet == "ideal" else "lower left")
+                ax.plot(x, y, look[-1], color=colour, markersize=11, zorder=3)
+                large.append((", ".join(names[sampling]), [(x, y)], colour))
+            elif (x, y, sampling) not in best:
+                ax.plot(x, y, look[-1], color="#d4d4d4", markersize=4)
+        ax.plot(*np.transpose([each[:2] for each in best]), look, color=colour, markersize=5, label=label)
+    name_lines(ax, *large)
 
 
 WHAT = {  # for each error, what is wrong

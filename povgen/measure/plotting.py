@@ -2,11 +2,14 @@
 
 import csv
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from povgen import fonts, remedies
 from povgen.errors import InputError
@@ -18,6 +21,7 @@ try:
     from cycler import cycler
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_mixed import MixedModeRenderer
     from matplotlib.backends.backend_pdf import Op, PdfFile, RendererPdf
     from matplotlib.figure import Figure
@@ -31,13 +35,18 @@ except ImportError:
 
 # for the modules that draw
 __all__ = [
-    "COLOURS", "GREY", "IDEAL", "PRISMS", "AutoLocator", "Axes", "Figure", "drawn", "plain_ticks", "save_drawing",
-    "save_table", "style", "table_rows", "withStroke",
+    "COLOURS", "GREY", "IDEAL", "MARKS", "PRISMS", "AutoLocator", "Axes", "Figure", "drawn", "name_lines",
+    "plain_ticks", "save_drawing", "save_table", "style", "table_rows", "withStroke",
 ]  # fmt: skip
+Floats = NDArray[np.float64]
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
 GREY = "#777777"
 LEGIBLE = 7  # points on paper, of most text
 COLOURS = [PRISMS, IDEAL, "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
+MARKS = "os^Dv*PX"  # one beside each colour, for eyes that do not tell the colours apart
+PAPER = 214  # of 255: grids and bands are lighter, and names may be upon them
+STEPS = 0, 0.5, -0.5, 1, -1  # aside of what is named, in halves of the name
+CLEAR = 40  # pixels between a name and another line, if there is room
 STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists every setting by name
     # DejaVu Sans, which is matplotlib's own, has the arrows and other signs that Noto Sans lacks
     "font.family": ["Noto Sans", "DejaVu Sans"],
@@ -84,8 +93,60 @@ def drawn(
 def plain_ticks(axis: Axis, subs: tuple[float, ...] = (1, 2, 5)) -> None:
     """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1. Ticks are at `subs` times powers of ten."""
     axis.set_major_locator(LogLocator(subs=subs))
-    axis.set_major_formatter("{x:g}")
+    axis.set_major_formatter(lambda x, _: np.format_float_positional(x, 3, fractional=False, trim="-"))
     axis.set_minor_formatter("")
+
+
+def name_lines(ax: Axes, *others: tuple[str, Sequence[Any], str], short: Callable[[str], str] = str) -> None:
+    """Write the label of each line beside it, in its colour: a legend would be far from it.
+
+    `others` are written too: each a text, the points (n, 2) that it may stand beside, and a colour. A name hides as
+    little as possible, and is rather at the end of its line. `short` makes it from the label. What else is drawn has to
+    be there already.
+    """
+    canvas = FigureCanvasAgg(ax.figure)  # type: ignore[arg-type]
+    canvas.draw()  # the axes have their place only now
+    light = np.asarray(canvas.buffer_rgba())[::-1, :, :3].min(2)
+    ink = (PAPER - np.minimum(light, PAPER)).astype(float)
+    names: list[tuple[str, Any, Any]] = [(text, ax.transData.transform(at), colour) for text, at, colour in others]
+    for line in ax.lines:
+        label, corners = str(line.get_label()), line.get_transform().transform(line.get_xydata())
+        corners = corners[np.isfinite(corners).all(1)]
+        if label.startswith("_") or not len(corners):
+            continue
+        if line.get_linestyle() != "None":  # a name may be beside the middle of a long piece
+            along = np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T).cumsum()
+            corners = np.column_stack([np.interp(np.linspace(0, along[-1], 80), along, each) for each in corners.T])
+        names.append((short(label), corners, line.get_color()))
+    for text, corners, colour in names:
+        written = ax.text(0, 0, text, color=colour, transform=ax.transAxes, ha="center", va="center")
+        half = np.divide(written.get_window_extent().size, 2)
+        rivals = np.concatenate([other for _, other, _ in names if other is not corners] or [np.empty((0, 2))])
+        place = _free_place(ax, ink, corners[::-1], rivals, half)
+        x, y = ax.transAxes.inverted().transform(place)
+        written.set_position((x, y))
+        (x0, y0), (x1, y1) = (np.add(place, side * half).astype(int) for side in (-1, 1))
+        if ink[y0:y1, x0:x1].any():  # then no line strikes the letters through
+            written.set_path_effects([withStroke(linewidth=4, foreground="white")])
+        ink[y0:y1, x0:x1] = PAPER
+
+
+def _free_place(ax: Axes, ink: Floats, corners: Floats, rivals: Floats, half: Floats) -> Floats:
+    """Return where the middle of a text has to be, pixels: beside one of `corners` (n, 2), rather the first.
+
+    The text is as large as twice `half`. It should be inside the axes, hide no ink, and be far from `rivals` (m, 2).
+    """
+    sides = np.array([(x, y) for x in STEPS for y in STEPS if 1 in (abs(x), abs(y))])
+    places = (corners[:, None] + np.concatenate([sides * (half + gap) for gap in (6, 13)])).reshape(-1, 2)
+    sums = np.pad(ink, ((1, 0), (1, 0))).cumsum(0).cumsum(1)  # below and left of each pixel
+    (x0, y0), (x1, y1) = ((places + side * half).astype(int).clip(0, ink.T.shape).T for side in (-1.1, 1.1))
+    hidden = sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]
+    low, high = np.reshape(ax.bbox.extents, (2, 2))
+    outside = (np.maximum(low - places, places - high) + half + 4).max(1).clip(0)
+    apart = np.linalg.norm((abs(places[:, None] - rivals) - half).clip(0), axis=2).min(1, initial=CLEAR)
+    cost = 1000 * outside + hidden + 2 * (CLEAR - apart) + np.linspace(0, 40, len(places))
+    best: Floats = places[cost.argmin()]
+    return best
 
 
 def save_table(path: Path, head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> None:

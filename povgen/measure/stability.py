@@ -2,6 +2,7 @@
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from math import ceil, degrees, radians, sqrt
 
 import numpy as np
@@ -26,26 +27,76 @@ from povgen.video.still import render
 TINY = (320, 240)
 ALPHAS = (0, 66, 120, 180)  # degrees
 TOWARD_POLE = ("α → 180°", "z1 → z2")  # two ways to approach the pole, where the object appears at infinity
-NAMES = (
-    "pole",
-    "grid",
-    "prediction",
-    "prisms",
-    "gap",
-    "gap-wide",
-    "trace-level",
-    "field",
-    "distance",
-    "aliasing",
-    "moire",
-)
+GAP, UNROTATED = "air gap between prisms / pitch", "pixels without rotated light (%)"
+LOST, DARK = 100 * limits.MAX_LOST_FRACTION, 100 * (1 - limits.MIN_DESIGNED_FRACTION)
+MAPS = {made.name: made for made in (  # without rows
+    StabilityMap(
+        "pole", "(a) near the pole, ideal sheet", "magnification of what is seen",
+        "error of the position (px)", 1, "xy",
+        finding="(a) Near the pole the error of ideal sheets grows",
+        band=("right", limits.MAX_CONDITION, "povgen warns"),
+    ),
+    StabilityMap(
+        "grid", "(f) cells of the ideal camera", "predicted upper bound of the error (px)", "worst error (px)",
+        limits.MAX_CAMERA_ERROR + 0.011, "xy", is_bound=True,  # 0.011 px: the resolution of positions in 16 bits
+        finding="(f) Eye off the axis: the ideal sheet's error is about its bound, or less",
+        band=("right", limits.MAX_CAMERA_ERROR, "povgen takes smaller cells"), groups=("other scenes", "z2 = 20"),
+    ),
+    StabilityMap(
+        "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",
+        "error of the predicted position (px)", limits.MAX_ERROR, "xy", is_bound=True,
+        finding="(a) Prisms: the error is mostly less than povgen states as possible",
+        band=("right", limits.MAX_ERROR, "povgen warns"), groups=("N = 100", "N = 25", "wide field"),
+    ),
+    StabilityMap(
+        "prisms", "(b) prism count", "prisms N of a sheet", "pixels with rotated light that are wrong (%)", 0.01, "xy",
+        finding="(b) The more prisms, the more rays POV-Ray gets wrong",
+        band=("right", limits.MAX_PRISMS, "povgen refuses"),
+    ),
+    StabilityMap(
+        "gap", "(c) air gap, narrow", GAP, "pixels with stray light that are wrong (%)", 0.5, "x",
+        finding="(c) POV-Ray misses narrow air gaps between fine prisms",
+        band=("left", limits.MIN_GAP, "povgen refuses"),
+    ),
+    StabilityMap(
+        "gap-wide", "(c) air gap, wide", GAP, "rotated light lost (%), below 0: gained", 3, "x",
+        finding=f"(c) Up to {limits.WIDE_GAP:g} of the pitch, an air gap loses little light",
+        band=("right", limits.WIDE_GAP, "more light is lost"), groups=("N = 100 to 3000",),
+    ),
+    StabilityMap(
+        "trace-level", "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)",
+        LOST, "x",
+        finding="(d) At povgen's max_trace_level few pixels are lost",
+        band=("above", LOST, f"more than {LOST:g} % are lost"), dot="dots: povgen's level",
+    ),
+    StabilityMap(
+        "field", "(e) field angle", "field angle: of the line of sight to the axis (degrees)", UNROTATED, 50,
+        finding="(e) From about 12 degrees off the axis, most light is stray light",
+        band=("above", 50, "most light is stray light"), groups=("α = 0°, 66°, 120° and 180°",),
+    ),
+    StabilityMap(  # 1 % more than where povgen warns, because the warning uses only a sample of rays
+        "distance", "(e) distance of the eye", "z2: from the sheets to the eye (tiles)", UNROTATED, DARK + 1, "x",
+        finding=f"(e) The nearer the eye, the less rotated light (window of {probes.APERTURE:g} tiles)",
+        band=("above", DARK, "povgen warns"),
+    ),
+    StabilityMap(
+        "aliasing", "(g) aliasing", "pixels per prism", "RMS error, one ray a pixel (1: white)", 0.21, "x",
+        finding="(g) The narrower the prisms, the noisier a picture without antialiasing",
+        band=("left", limits.MIN_PIXELS_PER_PRISM, "povgen warns"),
+    ),
+    StabilityMap(
+        "moire", "(h) sheets nearly parallel", "α N: angle by which rays turn, times the prisms in a sheet (degrees)",
+        "contrast of bands, relative to that at 30°", 1.35,
+        finding="(h) Sheets nearly parallel make dark bands",
+        band=("left", limits.MOIRE, "povgen warns"),
+    ),
+)}  # fmt: skip
 CONDITION_NUMBERS = tuple(float(10**exponent) for exponent in np.arange(0.5, 5, 0.5))
 
 
 def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of eq. 7 for alpha -> 180 deg and for z1 -> z2, against the condition number of P."""
-    x, y = "magnification of what is seen", "error of the position (px)"
-    result = StabilityMap("pole", "(a) near the pole, ideal sheet", x, y, 1, "xy")
+    result = deepcopy(MAPS["pole"])
     for series, E in (("eye near the axis", -0.2 + 0j), ("eye 8 up", 8j)):
         ways = [_near_pole(toward, conditions, size, "ideal", E=E) for toward in TOWARD_POLE]
         for each in zip(*ways, strict=True):
@@ -57,8 +108,7 @@ def pole(conditions: Sequence[float] = CONDITION_NUMBERS, size: Size = TINY) -> 
 
 def prediction(conditions: Sequence[float] = (1, 1.5, 2, 3, 4, 6, 8), size: Size = TINY) -> Iterator[StabilityMap]:
     """(a) Measure the error of the paraxial prediction: near the pole, for few prisms, and in a wide field."""
-    x, y = "error that povgen states as possible (px)", "error of the predicted position (px)"
-    result = StabilityMap("prediction", "(a) prisms' size and the pole", x, y, limits.MAX_ERROR, "xy", is_bound=True)
+    result = deepcopy(MAPS["prediction"])
     for toward in TOWARD_POLE:
         for series, prisms, z2, P in (
             (toward, 100, 6.0, 0.3 + 0.1j),
@@ -101,8 +151,7 @@ def _near_pole(
 
 def prism_count(counts: Sequence[int] = (300, 1000, 3000, 10000, 30000), size: Size = SMALL) -> Iterator[StabilityMap]:
     """(b) Measure how many pixels on the designed path are wrong: POV-Ray's direction is not that of the ray trace."""
-    y = "pixels with rotated light that are wrong (%)"
-    result = StabilityMap("prisms", "(b) prism count", "prisms N of a sheet", y, 0.01, "xy")
+    result = deepcopy(MAPS["prisms"])
     for count in counts:
         wrong = [_wrong(Directions(sheet="detailed", prisms=count, alpha=alpha), size)[0] for alpha in (20, 66, 120)]
         result.add("wrong pixels", count, 100 * float(np.mean(wrong)))
@@ -114,10 +163,7 @@ def gap_width(
     gaps: Sequence[float] = (1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 1e-3, 1e-2, 0.03, 0.06, 0.09, 0.13, 0.2), size: Size = TINY
 ) -> Iterator[StabilityMap]:
     """(c) Measure how many pixels of stray light are wrong if gaps are narrow, and how much light wide gaps lose."""
-    x = "air gap between prisms / pitch"
-    y = "pixels with stray light that are wrong (%)"
-    narrow = StabilityMap("gap", "(c) air gap, narrow", x, y, 0.5, "x")
-    wide = StabilityMap("gap-wide", "(c) air gap, wide", x, "rotated light lost (%), below 0: gained", 3, "x")
+    narrow, wide = deepcopy((MAPS["gap"], MAPS["gap-wide"]))
     for count in (100, 1000, limits.MAX_PRISMS):
         found = [_wrong(Directions(sheet="detailed", gap=gap, prisms=count), size) for gap in gaps]
         for gap, (_, designed, stray) in zip(gaps, found, strict=True):
@@ -146,9 +192,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
 
     The limit that povgen uses is the trace level that it sets for the scene.
     """
-    most = 100 * limits.MAX_LOST_FRACTION
-    x, y = "max_trace_level: faces that a ray may meet", "lost pixels (%)"
-    result = StabilityMap("trace-level", "(d) max_trace_level", x, y, most, "x")
+    result = deepcopy(MAPS["trace-level"])
     levels = np.arange(5, limits.MAX_FACES)
     for given in (
         {"z2": 2},
@@ -182,18 +226,12 @@ def field_angle(
     distances: Sequence[float] = (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size: Size = SMALL
 ) -> Iterator[StabilityMap]:
     """(e) Measure pixels without rotated light, against the field angle, and against the eye's distance."""
-    y = "pixels without rotated light (%)"
-    # 1 % more than where povgen warns, because the warning uses only a sample of rays
-    most = 100 * (1 - limits.MIN_DESIGNED_FRACTION) + 1
-    x = "field angle: of the line of sight to the axis (degrees)"
-    angles = StabilityMap("field", "(e) field angle", x, y, 50)
+    angles, distance = deepcopy((MAPS["field"], MAPS["distance"]))
     near = [Directions(sheet="detailed", alpha=alpha, z2=0.7) for alpha in ALPHAS]
     for alpha, angle, rendered, exact in fractions(near, size):
         angles.add(f"α = {alpha:g}°", angle, 100 * (1 - exact))
         angles.add(f"α = {alpha:g}°{RENDERED}", angle, 100 * (1 - rendered))
     yield angles
-    x = "z2: from the sheets to the eye (tiles)"
-    distance = StabilityMap("distance", "(e) distance of the eye", x, y, most, "x")
     for alpha in ALPHAS:
         for z2 in distances:
             scene = Directions(sheet="detailed", alpha=alpha, z2=z2)
@@ -228,10 +266,7 @@ OFF_AXIS: tuple[tuple[float, complex, float, float], ...] = (
 
 def grid(scenes: Sequence[tuple[float, complex, float, float]] = OFF_AXIS, size: Size = TINY) -> Iterator[StabilityMap]:
     """(f) Measure the error of the ideal sheet's camera for an eye off the axis, against the error's upper bound."""
-    x = "predicted upper bound of the error (px)"
-    tolerance = limits.MAX_CAMERA_ERROR + 0.011  # 0.011 px: the resolution of positions in 16 bits
-    title, y = "(f) cells of the ideal camera", "worst error (px)"
-    result = StabilityMap("grid", title, x, y, tolerance, "xy", is_bound=True)
+    result = deepcopy(MAPS["grid"])
     for z2, E, alpha, ratio in scenes:
         z1 = ratio * z2
         seen = equations.one_minus_P(1 / ratio, radians(alpha))
@@ -257,8 +292,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 
     If prisms are narrower than pixels, each pixel shows a random ray, and its error does not grow any more.
     """
-    y = "RMS error, one ray a pixel (1: white)"
-    result = StabilityMap("aliasing", "(g) aliasing", "pixels per prism", y, 0.21, "x")
+    result = deepcopy(MAPS["aliasing"])
     width = APERTURE / VIEW * size[1]
     for count in counts:
         scene = Chess(prisms=count, z1=3, view=VIEW)
@@ -282,8 +316,7 @@ def moire(
     the ray trace gives the fraction of rays on the designed path. The contrast is the RMS difference of this fraction
     between neighbouring blocks, divided by that at alpha = 30 deg.
     """
-    x = "α N: angle by which rays turn, times the prisms in a sheet (degrees)"
-    result = StabilityMap("moire", "(h) sheets nearly parallel", x, "contrast of bands, relative to that at 30°", 1.35)
+    result = deepcopy(MAPS["moire"])
     for count in (50, 100, 400):
         contrast = []
         for product in (*products, 30 * count):

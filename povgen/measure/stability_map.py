@@ -5,28 +5,34 @@ A stability map is a series of measurements: an error or loss y against one quan
 limit is compared with the limit that povgen uses (povgen/limits.py).
 """
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from textwrap import fill
+from typing import Literal
 
 import numpy as np
 
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import COLOURS, GREY, Axes, drawn, plain_ticks, save_table
+from povgen.measure.plotting import COLOURS, GREY, MARKS, Axes, drawn, name_lines, plain_ticks, save_table
 
 RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
-RED = "#c1272d"
-SOME = 6  # series that are drawn if there are more than colours
+RED = "#a3161c"
+SOME = 3  # series that are drawn if there are more than colours
 
 
 @dataclass
 class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
 
-    The fields `x` and `y` are the labels of the axes. `log_axes` names the logarithmic axes: '', 'x', 'y' or 'xy'.
-    `tolerance` is the greatest allowed y. If `is_bound`, x is a bound of y in the same unit. `limits` are what `limit`
-    has found.
+    `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
+    logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_bound`, x is a bound of y in
+    the same unit. For the drawing: `finding` is its title. `band` is where the method fails: on which side of which
+    value, and what happens there. `groups` are of series that look alike: those with the group's name in theirs, and
+    in the first group all others. `dot` is what the last row of POV-Ray's pictures shows. `limits` are what `limit` has
+    found.
     """
 
     name: str
@@ -36,6 +42,10 @@ class StabilityMap:
     tolerance: float
     log_axes: str = ""
     is_bound: bool = False
+    finding: str = ""
+    band: tuple[Literal["left", "right", "above"], float, str] | None = None
+    groups: tuple[str, ...] = ()
+    dot: str = ""
     rows: list[tuple[str, float, float]] = field(default_factory=list)
     limits: list[Measured] = field(default_factory=list)
 
@@ -69,65 +79,78 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
     """Write each stability map as NAME.png and NAME.csv as soon as it is measured. Calls `done` with each limit."""
     for measured in maps:
         save_table(folder / f"{measured.name}.csv", ("series", measured.x, measured.y), measured.rows)
-        with drawn(9, 5, folder / f"{measured.name}.png") as figure:
-            draw_map(figure.subplots(), measured)
+        draw(measured, folder)
         for limit in measured.limits:
             done(limit)
 
 
+def draw(measured: StabilityMap, folder: Path) -> None:
+    """Write a stability map as NAME.png."""
+    with drawn(9, 5, folder / f"{measured.name}.png") as figure:
+        draw_map(figure.subplots(), measured)
+
+
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw each series as a line, or the rows as points if x is a bound of y. Mark povgen's limits."""
-    ax.set(xlabel=measured.x, ylabel=measured.y, title=measured.title)
+    """Draw each series as a line, or the rows as points if x is a bound of y. Mark where the method fails."""
+    ax.set(xlabel=measured.x, ylabel=measured.y, title=measured.finding)
     ax.grid(alpha=0.25)
-    if "x" in measured.log_axes:
-        ax.set_xscale("log")
-    if "y" in measured.log_axes:
-        ax.set_yscale("log")
-        plain_ticks(ax.yaxis, (1,))
-    traced = _draw_series(ax, measured)
-    least, most = ax.get_xlim()
-    if "x" in measured.log_axes:
-        plain_ticks(ax.xaxis, (1,) if most > 100 * least else (1, 2, 5))
-    ax.set(xlim=(least, most), ylim=ax.get_ylim())
+    for name in measured.log_axes:
+        getattr(ax, f"set_{name}scale")("log", nonpositive="mask")
+    ax.margins(y=0.1)
+    others = _draw_series(ax, measured)
+    if "y" not in measured.log_axes and min(y for *_, y in measured.rows) >= 0:
+        ax.set_ylim(bottom=0)
+    ends = ax.get_xlim(), ax.get_ylim()
+    for name, (least, most) in zip("xy", ends, strict=True):
+        if name in measured.log_axes:
+            subs = (1, 2, 5) if most < 30 * least else (1, 3) if most < 300 * least else (1,)
+            plain_ticks(getattr(ax, f"{name}axis"), subs)
+    (left, right), (bottom, top) = ends
+    for x in [x for _, x, y in measured.rows if y == 0] if "y" in measured.log_axes else ():
+        ax.plot(x, bottom, "v", color=COLOURS[0], clip_on=False)
+        others.append((f"0 at {x:g}", [(x, bottom)], COLOURS[0]))
     if measured.is_bound:
-        ends = np.array(ax.get_xlim())
-        ax.plot(ends, ends, ":", color=GREY, label="error as great as its bound")
-    else:
+        ax.plot((left, right), (left, right), ":", color=GREY, label="error as great as its bound")
+    elif not (measured.band and measured.band[0] == "above"):
         ax.axhline(measured.tolerance, color=GREY, linestyle=":", label=f"allowed: {measured.tolerance:g}")
-    bounds = {limit.bound: limit.least for limit in measured.limits}
-    for bound, rising in bounds.items() if len(bounds) == 1 else ():
-        beyond = ax.get_xlim()[1 if rising else 0]
-        ax.axvspan(bound, beyond, color=RED, alpha=0.09, linewidth=0, label=f"beyond povgen's limit, {bound:g}")
-    whats = [f"{measured.title}: {name}" for name in traced]
-    for limit in measured.limits if len(bounds) > 1 else ():
-        if limit.what not in whats:
-            continue
-        n = whats.index(limit.what)
-        ax.axvline(limit.bound, color=COLOURS[n], linestyle="--", linewidth=0.8)
-    if len(bounds) > 1:
-        ax.plot([], [], "--", color=GREY, linewidth=0.8, label="povgen's limits")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1))
+    if measured.band:
+        side, bound, text = measured.band
+        x0, x1 = (left, bound) if side == "left" else (bound, right) if side == "right" else (left, right)
+        ax.fill_between((x0, x1), bound if side == "above" else bottom, top, color=RED, alpha=0.09, linewidth=0)
+        middle = (x0 * x1) ** 0.5 if "x" in measured.log_axes else (x0 + x1) / 2
+        low = (2 * bound + top) / 3 if side == "above" else bottom
+        others.append((text, [(middle, y) for y in np.linspace(low, top, 50)], RED))
+    ax.set(xlim=(left, right), ylim=(bottom, top))
+    name_lines(ax, *others)
 
 
-def _draw_series(ax: Axes, measured: StabilityMap) -> list[str]:
-    """Draw series, and choose the range of y. Return the names of those that have a place in the legend.
+def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple[float, float]], str]]:
+    """Draw the series. Return the name of their dots, the dots' places and its colour.
 
-    Of more series than colours, SOME are drawn, whose limits are spread evenly. The table has all.
+    Of more series than colours, SOME are drawn, whose last rows of `RENDERED` are spread evenly. The table has all.
     """
-    traced = [name for name in dict.fromkeys(name for name, *_ in measured.rows) if not name.endswith(RENDERED)]
-    if len(traced) > len(COLOURS):
-        bounds = {limit.what.removeprefix(f"{measured.title}: "): limit.bound for limit in measured.limits}
-        spread = np.linspace(0, len(traced) - 1, SOME).round().astype(int)
-        ordered = sorted(traced, key=lambda name: bounds.get(name, 0))
-        ax.set_title(f"{measured.title}: {SOME} of {len(traced)} scenes")
-        traced = [ordered[n] for n in spread]
-    for n, name in enumerate(traced):
-        for series, look in ((name, "o" if measured.is_bound else "o-"), (name + RENDERED, "x")):
-            x, y = np.array([row[1:] for row in measured.rows if row[0] == series]).reshape(-1, 2).T
-            label = name if series == name else None
-            ax.plot(x, y, look, color=COLOURS[n], markersize=5 if len(x) < 30 else 2.5, label=label)
-    if not measured.log_axes.endswith("y"):
-        ax.set_ylim(top=min(ax.get_ylim()[1], 8 * measured.tolerance))
-        if min(y for *_, y in measured.rows) >= 0 > ax.get_ylim()[0]:
-            ax.set_ylim(bottom=0)
-    return traced
+    rows: dict[str, list[tuple[float, float]]] = {}
+    for name, *row in measured.rows:
+        rows.setdefault(name, []).append((row[0], row[1]))
+    traced = [name for name in rows if not name.endswith(RENDERED)]
+    if len(traced) > len(COLOURS) and not measured.groups:
+        ax.set_title(f"{measured.finding} ({SOME} of {len(traced)} scenes)")
+        ordered = sorted(traced, key=lambda name: rows[name + RENDERED][-1][0])
+        traced = [ordered[n] for n in np.linspace(0, len(traced) - 1, SOME).round().astype(int)]
+    dots = []
+    for name in traced:
+        group = (
+            next((group for group in measured.groups[1:] if group in name), measured.groups[0])
+            if measured.groups
+            else name
+        )
+        n, points = (measured.groups or traced).index(group), np.array(rows[name])
+        label = fill(re.sub("(?<!,) ", "\N{NBSP}", group), 30)  # in several lines only after commas
+        if label in [line.get_label() for line in ax.lines]:
+            label = "_"
+        line = ("-", "--", "-.")[n % 3] if len(points) > 30 else MARKS[n] + "-" * (not measured.is_bound)
+        ax.plot(*points.T, line, color=COLOURS[n], label=label)
+        if measured.dot:
+            dots += rows[name + RENDERED][-1:]
+            ax.plot(*dots[-1], "o", color=COLOURS[n], markersize=10)
+    return [(measured.dot, dots, "black")] if dots else []

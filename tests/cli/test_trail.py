@@ -62,7 +62,7 @@ def nothing_measured(monkeypatch):
     monkeypatch.setattr(verify, "checks", lambda _: [])
     made = StabilityMap("none", "a map", "x", "y", 1.0, rows=[("a", 1.0, 2.0), ("a", 2.0, 1.0)])
     monkeypatch.setattr(stability, "maps", lambda _: [made])
-    monkeypatch.setattr(stability, "NAMES", ["none"])
+    monkeypatch.setattr(stability, "MAPS", ["none"])
 
 
 def test_every_command_that_writes_files_is_here():

@@ -10,7 +10,7 @@ from conftest import povgen, refused, some
 
 from povgen.measure import compare, probes, rounding, stability, verify, verify_gl
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import Figure
+from povgen.measure.plotting import Figure, name_lines
 from povgen.measure.stability_map import RENDERED, StabilityMap, draw_map, save_maps
 from povgen.measure.targets import targets
 from povgen.optics import equations
@@ -189,15 +189,31 @@ def test_bad_options_are_refused(options, words, tmp_path):
     assert all(word in message for word in words), message
 
 
-def test_of_many_series_those_are_drawn_whose_limits_are_spread_evenly():
-    measured = StabilityMap("name", "title", "x", "y", 1.0, "x")
+def test_of_many_series_those_are_drawn_whose_levels_are_spread_evenly():
+    measured = StabilityMap("name", "title", "x", "y", 1.0, "x", finding="finding", dot="the level")
     for n in (3, 7, 1, 9, 5, 0, 8, 2, 6, 4):
-        measured.rows += [(f"{n}", 1, 2), (f"{n}", 10, 0.5)]
-        measured.limit("detailed", f"{n}", 20 + n, rising=False)
+        measured.rows += [(f"{n}", 1, 2), (f"{n}", 20, 0.5), (f"{n}{RENDERED}", 3, 1), (f"{n}{RENDERED}", 5 + n, 0.8)]
     ax = Figure().subplots()
     draw_map(ax, measured)
-    assert [text.get_text() for text in ax.get_legend().texts][:6] == ["0", "2", "4", "5", "7", "9"]
-    assert ax.get_title(loc="left") + ax.get_title() == "title: 6 of 10 scenes"
+    assert [text.get_text() for text in ax.texts] == ["the level", "0", "4", "9", "allowed: 1"]
+    assert [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 1] == [5, 9, 14]
+    assert ax.get_title(loc="left") + ax.get_title() == "finding (3 of 10 scenes)"
+
+
+def test_names_are_beside_their_lines_and_hide_nothing():
+    ax, x = Figure(figsize=(6, 4)).subplots(), np.linspace(0, 1, 300)
+    lines = {"rising": x, "falling": 1 - x, "level": 0.5 + 0 * x}
+    for name, y in lines.items():
+        ax.plot(x, y, label=name)
+    name_lines(ax, ("dot", [(0.5, 0.9)], "black"))
+    boxes = {text.get_text(): text.get_window_extent().padded(2) for text in ax.texts}
+    assert [*boxes] == ["dot", *lines]
+    for name, box in boxes.items():
+        assert box.count_overlaps(boxes.values()) == 1, name
+        for other, y in lines.items():
+            places = ax.transData.transform(np.column_stack((x, y)))
+            assert not any(box.contains(*place) for place in places), (name, other)
+            assert other != name or any(box.padded(15).contains(*place) for place in places), name
 
 
 def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():

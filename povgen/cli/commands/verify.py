@@ -47,10 +47,10 @@ def command(
     found: list[Measured] = []
     with ExitStack() as opened:
         if stability:
-            from povgen.measure.stability import NAMES, maps
+            from povgen.measure.stability import MAPS, maps
             from povgen.measure.stability_map import save_maps
 
-            files = {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in NAMES}
+            files = {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in MAPS}
             folder = opened.enter_context(options.made_folder(output or Path("stability"), files))
         # the table appears with its first row
         console = Console(width=None if sys.stdout.isatty() else 120)
