@@ -47,6 +47,9 @@ function isShown({ question, ...setting }) {
   return ["question", "scene", "light", ...SETTINGS].every((name) => ["L", "E"].includes(name) || String(state[name]) === String(wanted[name]));
 }
 
+// Where a button leads. What has been changed comes back first.
+const stepTo = ({ value }) => SLIDES[value < 0 && SLIDES[at] && !isShown(SLIDES[at].setting) ? at : at + Number(value)];
+
 // Where Present is in the lesson: what is shown there, and which slider. The last number of a setting is what it is about.
 export function drawPlace() {
   const slide = document.body.classList.contains("present") ? SLIDES[at] : undefined, shown = Boolean(slide) && isShown(slide.setting);
@@ -56,8 +59,8 @@ export function drawPlace() {
   $("lesson-name").hidden = !slide || question || state.question >= 0;
   $("lesson-name").style.visibility = shown && !isToBeFound() ? "" : "hidden";  // it keeps its room while a slider moves
   write("lesson-name", slide && !question ? slide.called() : "");
-  write("lesson-place", `${shown ? at + 1 : "–"}/${SLIDES.length}`);
-  for (const button of steppers) button.disabled = !SLIDES[at + Number(button.value)];
+  write("lesson-place", `${at < 0 ? "–" : at + 1}/${SLIDES.length}`);
+  for (const button of steppers) button.disabled = !stepTo(button);
 }
 
 // The name of a setting that has none.
@@ -122,7 +125,7 @@ async function drawTasks({ steps }) {
   $("task-name").replaceChildren(blank(say("teaching.name")), blank(say("teaching.date")));
   $("task-setting").textContent = settingSaid(moment());
   const { nu, turned = nu, sheet } = moment();
-  for (const part of document.querySelectorAll(".measured")) part.hidden = sheet === "single" || !Number.isFinite(turned);
+  for (const part of document.querySelectorAll(".measured")) part.hidden = ["none", "single"].includes(sheet) || !Number.isFinite(turned);
   $("task-measured").replaceChildren(...["<i>ν</i> =", `${say("page.size")} =`].map(blank));
   $("task-picture").src = await taskPicture(false);
   $("task-free").src = await taskPicture(true);
@@ -137,7 +140,7 @@ $("teach-open").addEventListener("click", () => {
 $("teach").addEventListener("click", ({ target }) => (target === $("teach") || target.closest("a")) && $("teach").close());
 addEventListener("afterprint", () => document.body.classList.remove("tasks"));
 for (const button of steppers) button.addEventListener("click", () => {
-  const { setting } = SLIDES[at + Number(button.value)];
+  const { setting } = stepTo(button);
   opens(setting);
   location.hash = hashOf(setting);
 });
