@@ -47,7 +47,8 @@ const viewed = () => Object.keys(CAMERAS).find((name) => String(CAMERAS[name]) =
 const hashOf = (parts) => `#${Object.entries({ ...parts, ...lasting() }).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;
 
 // Take the values from an address. What is missing or wrong there has the value that the page opens with. A question whose
-// answer has not been revealed is shown as before its answer; the others, if the address does not say more, as with it.
+// answer has not been revealed is shown as before its answer, and what has been tried of a challenge as it was left; the others, if the
+// address does not say more, as with it.
 export function fromHash(hash) {
   const given = new URLSearchParams(hash.slice(1));
   let values = valuesOf(given);
@@ -57,7 +58,8 @@ export function fromHash(hash) {
   const first = given.get("own")?.startsWith("{") ? ({ own }) => own : ({ name }) => name === given.get("question");
   const question = QUESTIONS.findIndex(first);
   if (QUESTIONS[question]) {
-    values = isRevealed(question) ? { ...end(QUESTIONS[question]), ...values, question } : { ...values, ...QUESTIONS[question].before, question };
+    const { before, goal, match } = QUESTIONS[question], revealed = isRevealed(question);
+    values = revealed || goal || match ? { ...(revealed ? end(QUESTIONS[question]) : before), ...values, question } : { ...values, ...before, question };
     session.lastQuestion = question;
   }
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);

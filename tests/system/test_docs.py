@@ -301,7 +301,7 @@ STATED = {
         lambda: [(p := apparent_position(0.6, 0, 2, 6, math.pi / 2)).real, p.imag],
     ),
     "accuracy": ("In the default chess scene the sum is {} px; it is above 3 px for |α| < {}°", _possible_error),
-    "light": ("on the designed path passes with {} and {} of its power", _polarised),
+    "light": ("parallel polarisers pass {} of the power, crossed ones {}.", _polarised),
     "sheets": ("at z2 = 60, {} % are designed and {} % stray", lambda: _shares(Chess(z2=60))),
     "examples": ("where the default prisms have {} % and {} %", lambda: _shares(Chess())),
     "rays": ("# () {}+0.00j, ('right',) {}+0.00j", lambda: [image.position.real for image in TWO.images((1.2, 0, 2))]),

@@ -165,6 +165,9 @@ def test_a_challenge_is_done_when_the_settings_rest_where_its_goal_is(page):
         for field, value in zip(fields[::2], fields[1::2], strict=True):
             expect(answer).to_be_empty()
             page.locator(f"#number-{field}").fill(value)
+            tried = page.evaluate(f"change({{ {field}: state.{field} * 0.9 }}), fromHash(toHash()), state.{field}")
+            assert tried == pytest.approx(0.9 * float(value))  # an address, and so the page that is loaded again, has it
+            page.locator(f"#number-{field}").fill(value)
         expect(answer).to_contain_text("Done.")
     expect(page.locator("#sentence")).to_contain_text("4.08 times as large as without the sheets")
     expect(page.locator("#score")).to_have_text("3 of 3 right at the first try")
