@@ -294,7 +294,7 @@ def started_browser(script="", mesa=False):
 
             def waiting(**options):
                 page = new_page(**options)
-                page.set_default_timeout(240_000)  # ms
+                page.set_default_timeout(120_000)  # ms
                 page.add_init_script(script)
                 return page
 

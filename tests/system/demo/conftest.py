@@ -8,7 +8,7 @@ from conftest import NAMES, started_browser
 from PIL import Image
 from playwright.sync_api import expect
 
-expect.set_options(timeout=240_000)  # ms: a busy machine is no fault
+expect.set_options(timeout=120_000)  # ms: a busy machine is no fault
 WORK = {"width": 1000, "height": 640}  # a small canvas costs less
 COARSE, SHARP = (f"window.devicePixelRatio = {ratio}; view.resize()" for ratio in (0.2, 1))
 STILL = "view.later = () => {}"  # most tests are not about the live view

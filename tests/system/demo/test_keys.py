@@ -98,6 +98,7 @@ def test_the_light_and_the_curtain_are_spoken(page):
         ring.press("Shift+ArrowLeft")
     expect(spoken).not_to_have_text(before)
     page.locator("#compare").select_option("none")
+    expect(page.locator("#curtain")).to_be_visible()
     page.locator("#curtain").press("ArrowLeft")
     expect(page.locator("#curtain")).to_have_attribute("aria-valuetext", "ideal sheet: 49%, no sheet: 51%")
 
