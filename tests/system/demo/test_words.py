@@ -166,7 +166,7 @@ def test_a_challenge_is_done_when_the_settings_rest_where_its_goal_is(page):
             expect(answer).to_be_empty()
             page.locator(f"#number-{field}").fill(value)
             tried = page.evaluate(f"change({{ {field}: state.{field} * 0.9 }}), fromHash(toHash()), state.{field}")
-            assert tried == pytest.approx(0.9 * float(value))  # an address, and so the page that is loaded again, has it
+            assert tried == pytest.approx(0.9 * float(value))  # a page that is loaded again has it
             page.locator(f"#number-{field}").fill(value)
         expect(answer).to_contain_text("Done.")
     expect(page.locator("#sentence")).to_contain_text("4.08 times as large as without the sheets")
