@@ -5,11 +5,12 @@ import re
 from base64 import b64decode
 
 import pytest
-from conftest import sentence
+from conftest import PROJECT, sentence
 from playwright.sync_api import expect
 
 from demo.conftest import heard, show
 
+COUNT = len([*(PROJECT / "povgen" / "page" / "questions").glob("*.toml")])
 LENSLETS = {"sheet": "lenslets", "alpha": 180, "ratio": 2, "z1": 11.4}
 LENS = {"sheet": "lens", "focal_length": 3, "z1": 6, "E": [1, 0]}
 MIRROR = {"sheet": "mirror", "alpha": 90, "z1": 6}
@@ -280,9 +281,10 @@ def test_questions_of_ones_own_are_a_link(page):
     expect(count).to_have_text("Question 1 of 2")
     page.locator("#next").click()
     page.evaluate("navigator.clipboard.writeText = async (text) => { window.copied = text; }; $('copy-link').click()")
-    assert page.evaluate("copied.includes(`question=${QUESTIONS[23].name}&`)")  # a class begins with the first one
+    own = "QUESTIONS.find(({ own }) => own).name"
+    assert page.evaluate(f"copied.includes(`question=${{{own}}}&`)")  # a class begins with the first one
     page.evaluate("$('reset').click(); draw(); $('tab-questions').click(); draw()")
-    expect(count).to_have_text("Question 1 of 23")
+    expect(count).to_have_text(f"Question 1 of {COUNT}")
     page.locator("#level").uncheck()
     other.click()
     link = page.evaluate("draw(), toHash()")
@@ -291,7 +293,7 @@ def test_questions_of_ones_own_are_a_link(page):
     for text in (link, b64decode(code + "===", "-_").decode("latin1")):
         assert "down" not in text and "left" not in text
     page.evaluate("openQuestion(-1); fromHash('')")
-    assert page.evaluate("QUESTIONS.length") == 23
+    assert page.evaluate("QUESTIONS.length") == COUNT
     page.evaluate("(link) => { fromHash(link); draw(); }", link)
     expect(page.locator("#ask")).to_have_text("Which way <b>now</b>?")
     expect(page.locator("#question-count")).to_have_text("Question 1 of 2")
@@ -306,7 +308,7 @@ def test_questions_of_ones_own_are_a_link(page):
     page.locator("#questions").get_by_label("Name:").fill("Ada, 11b")
     with page.expect_download() as download:
         page.get_by_role("button", name="Save CSV").click()
-    name = page.evaluate("QUESTIONS[23].name")
+    name = page.evaluate(own)
     assert download.value.path().read_text("utf-8-sig").splitlines() == [
         "student,name,question,answer,right,votes,votes_2,predicted,first_try",
         f'"Ada, 11b",{name},Which way <b>now</b>?,down & out,0,0,,0,',
@@ -339,7 +341,7 @@ def test_questions_of_ones_own_are_a_link(page):
         *map(scrambled(page), (many, '[["a", "", "", "", "b"]]')),
     ):
         page.evaluate("(link) => { fromHash(link); draw(); }", wrong)
-        assert page.evaluate("[state.question, QUESTIONS.length]") == [-1, 23]
+        assert page.evaluate("[state.question, QUESTIONS.length]") == [-1, COUNT]
         expect(page.locator("#sentence")).to_contain_text("The link is not complete: its questions are missing.")
     page.locator("#tab-questions").click()  # the question that was open last is gone
     page.evaluate("draw(); document.querySelector('[aria-controls=own]').click()")
@@ -380,7 +382,7 @@ def test_simple_questions_are_those_without_formulas(page):
     expect(page.locator("#next")).to_be_disabled()
     show(page, level="expert")
     page.evaluate("openQuestion(3); reveal(); endGlide(); draw()")
-    expect(page.locator("#question-count")).to_have_text("Question 4 of 23")
+    expect(page.locator("#question-count")).to_have_text(f"Question 4 of {COUNT}")
     expect(page.locator("#answer")).to_contain_text("ν = arctan(z₁/z₂)")
     expect(page.locator("#prediction .right")).to_have_text("it turns further")
 
