@@ -202,7 +202,7 @@ clean:  ## remove the folders that make alone writes to: the virtual environment
 	rm -rf $(if $(wildcard $(CREATED)),$(VENV)) build .pytest_cache
 
 help:  ## this list
-	@echo "QUALITY=draft|standard|high|hd (now $(QUALITY)), RENDERER=povray|gl|auto (now $(RENDERER); auto with --sheet auto), OPTIONS='more options of povgen'"
+	@echo "QUALITY=$(QUALITY) (povgen frame --help has all), RENDERER=povray|gl|auto (now $(RENDERER); auto with --sheet auto), OPTIONS='more options of povgen'"
 	@sed -n 's/^\([a-z-]*\):.*## */\1\t/p' $(MAKEFILE_LIST)
 	@echo "movies/NAME.mp4	one movie, from movies/NAME.toml"
 

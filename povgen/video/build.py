@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from itertools import repeat
+from mimetypes import guess_type
 from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
@@ -60,13 +61,14 @@ class Movie:
         if self.path.suffix.lower() in PICTURES:
             return None
         try:
-            kind, data = self.path.suffix.lower()[1:], b64encode(self.path.read_bytes()).decode()
+            data = b64encode(self.path.read_bytes()).decode()
         except (OSError, ValueError) as error:  # ValueError: a NUL in its name
             reason = getattr(error, "strerror", error)
             raise InputError(f"path = {str(self.path)!r}: {reason}; allowed: a movie's file") from None
-        if kind in ("gif", "webp"):
-            return f'<img src="data:image/{kind};base64,{data}">'
-        return f'<video controls loop src="data:video/{kind};base64,{data}"></video>'
+        kind = guess_type(f"a{self.path.suffix.lower()}", strict=False)[0]
+        if str(kind).startswith("image"):
+            return f'<img src="data:{kind};base64,{data}">'
+        return f'<video controls loop src="data:{kind};base64,{data}"></video>'
 
 
 @recorded_call

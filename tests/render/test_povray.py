@@ -11,7 +11,7 @@ from conftest import wait_for
 
 from povgen import Chess, PovrayError, Rendering, to_pov
 from povgen.rendering import cache, frames, povray
-from povgen.settings import QUALITIES, of_movie
+from povgen.settings import of_movie
 from povgen.video import still
 
 TINY = Rendering(size=(32, 32), antialias="off")
@@ -34,11 +34,12 @@ def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
 
 
 def test_qualities():
-    assert [Rendering(quality=q).size for q in QUALITIES] == [(320, 240), (960, 720), (960, 720), (1920, 1080)]
-    assert [Rendering(quality=q).sampling for q in QUALITIES] == ["1.5x", "1.5x", "2x", "2x"]
-    assert [Rendering(quality=q).suited(prisms=False).sampling for q in QUALITIES] == ["1,0.1,2"] * 2 + ["1,0.1,3"] * 2
+    names = ("draft", "standard", "high", "hd")
+    assert [Rendering(quality=q).size for q in names] == [(320, 240), (960, 720), (960, 720), (1920, 1080)]
+    assert [Rendering(quality=q).sampling for q in names] == ["1.5x", "1.5x", "2x", "2x"]
+    assert [Rendering(quality=q).suited(prisms=False).sampling for q in names] == ["1,0.1,2"] * 2 + ["1,0.1,3"] * 2
     # a standard movie, with its many frames, has smaller ones than a picture
-    sizes = [of_movie({"quality": q, "bits": 8})["size"] for q in QUALITIES]
+    sizes = [of_movie({"quality": q, "bits": 8})["size"] for q in names]
     assert sizes == [(320, 240), (424, 318), (960, 720), (1920, 1080)]
     assert of_movie({"size": (64, 48)}) == {"size": (64, 48)} and of_movie({}) == {"size": (424, 318)}
     assert Rendering(antialias="2x").suited(prisms=False).sampling == "2x"
