@@ -68,6 +68,8 @@ test-fast test test-release coverage: export PYTHONDONTWRITEBYTECODE =
 test-fast test test-release coverage: export OPENBLAS_NUM_THREADS = 1
 # Mesa draws small pictures here, and several at once: threads for each would wait for one another.
 test-fast test test-release coverage: export LP_NUM_THREADS = 0
+# Mesa compiles many shaders for them, each once: to optimize one would take longer than to draw with it.
+test-fast test coverage: export GALLIVM_PERF = nopt
 
 test-fast: $(VENV)/test-ready test-deps gl-deps  ## tests of the mathematics and of the command line, in about a minute
 	$(VENV)/bin/python -m pytest tests/unit tests/cli --numprocesses 3 --dist loadgroup
