@@ -124,7 +124,6 @@ docs/tolerances/builds.png: DEVIATIONS = --builds 300 --deviation turn=0.05 --de
 docs/tolerances/errors.png docs/tolerances/builds.png: $(SOURCES) | $(VENV)/charts-ready
 	$(POVGEN) tolerance chess --prisms 100 --alpha 90 --z1 10 --z2 10 $(DEVIATIONS) -o $@
 
-
 docs/seminar.ipynb: docs/seminar.md docs/notebook.py | $(VENV)/test-ready  ## the seminar as a notebook
 	$(VENV)/bin/python docs/notebook.py
 

@@ -197,8 +197,8 @@ def draw_beyond(rows: list[list[str]], folder: Path) -> None:
     ]
     with drawn(11, 5.4, folder / "beyond.png", folder / "beyond.svg") as figure:
         left, right = figure.subplots(1, 2, sharey=True)
-        left.set(title="Three windows cost 2.2 times as much as one", xlabel="CPU seconds for a frame of 640x480")
-        right.set(title="Only prisms displace what is seen")
+        left.set(title="Three windows cost over twice as much as one", xlabel="CPU seconds for a frame of 640x480")
+        right.set(title="Only prisms of finite size shift the image")
         right.set(xlabel="distance from the exact position (px of 1280x960)")
         left.invert_yaxis()
         for ax, column in ((left, 2), (right, 3)):
@@ -214,7 +214,7 @@ def draw_workers(rows: list[list[str]], folder: Path) -> None:
         ax = figure.subplots()
         ax.plot(count, wall, "o-", color=PRISMS, label="measured")
         ax.plot(count, wall * busy, ":", color=GREY, label="if no core were idle")
-        ax.set(title="Eight POV-Ray processes keep two cores busy", ylabel="wall seconds for 61 frames of 320x240")
+        ax.set(title="16 POV-Ray processes keep two cores busy", ylabel="wall seconds for 61 frames of 320x240")
         ax.set_xscale("log", base=2)
         ax.set_xticks(count, [f"{each:g}" for each in count])
         ax.set(xlabel=f"POV-Ray processes at once, on {cores[0]:g} cores", ylim=(0, None))
@@ -242,7 +242,7 @@ def measure(folder: Path) -> None:
 
 def draw(folder: Path) -> None:
     """Draw the charts of the tables in a folder."""
-    titles = "Prisms: gl costs a tenth of POV-Ray", "Ideal sheet: gl costs a third to a half"
+    titles = "Prisms: gl costs about a tenth of POV-Ray", "Ideal sheet: for most errors gl costs less"
     charts.draw_frames(folder, titles)
     for name, drawing in DRAWINGS.items():
         drawing(table_rows(folder / f"{name}.csv"), folder)

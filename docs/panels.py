@@ -44,7 +44,7 @@ class Panel(NamedTuple):
     overlay: bool = False
     side_view: bool = False  # below all panels
     section: str = ""  # what the section of a prism, drawn at the lower left, says of the top face
-    brighter: float = 1  # what is in the window
+    brighter: float = 1  # factor of the light in the window
     size: tuple[int, int] = SIZE
 
 

@@ -37,7 +37,7 @@ OPTIONS = """
 ## Options
 
 In Python and in TOML files a parameter has the option's name, with `_` in place of `-`. In parentheses: the defaults.
-`--no-NAME` is the opposite of a switch. An option with … can be repeated. `povgen COMMAND --help` lists those of a
+`--no-NAME` turns a switch off. An option with … can be repeated. `povgen COMMAND --help` lists those of a
 command, and also says what [its own options](#of-commands) do.
 """
 KINDS = """

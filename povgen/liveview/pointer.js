@@ -15,7 +15,8 @@ export function onArrows(part, moved) {
 
 /** While a pointer holds a part, call what `pressed(event)` has returned with the pointer's way from where it was pressed, in pixels.
  * If it returns nothing, the pointer does not hold the part. `released(event)` is called at the end. A second finger, wherever it is,
- * takes the drag back and ends it: its event is then a `pointerdown`. So does the browser, where it scrolls instead. Return a function: whether a pointer holds the part.
+ * takes the drag back and ends it: its event is then a `pointerdown`. So does the browser, where it scrolls instead. Return a function:
+ * whether a pointer holds the part.
  * @param {(event: PointerEvent) => ((way: number[], event: PointerEvent) => void) | undefined} pressed
  * @param {(event: PointerEvent) => void} released */
 export function onDrag(part, pressed, released = () => {}) {

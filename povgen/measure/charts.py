@@ -46,7 +46,7 @@ def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet"))
             shown = [row for row in rows if row[2:4] == [width, height]]
             axes = figure.subplots(1, 2)
             axes[0].set(ylabel="RMS error (1: white)")
-            marks = "marks: samplings; large: povgen's qualities; grey: another sampling costs less and errs less"
+            marks = "marks: samplings; large: those of --quality; light grey: another one is cheaper and more accurate"
             figure.supxlabel(marks, fontsize=11)
             for ax, prisms, title in zip(axes, (True, False), titles, strict=True):
                 ax.set(xscale="log", yscale="log", title=title, xlabel=f"CPU seconds for a frame of {width}x{height}")

@@ -71,8 +71,8 @@ MAPS = {made.name: made for made in (  # without rows
     ),
     StabilityMap(
         "field", "(e) field angle", "field angle: of the line of sight to the axis (degrees)", UNROTATED, 50,
-        finding="(e) From about 12 degrees off the axis, most light is stray light",
-        band=("above", 50, "most light is stray light"), groups=("α = 0°, 66°, 120° and 180°",),
+        finding="(e) The farther off the axis, the less rotated light",
+        band=("above", 50, "less than half is rotated light"), groups=("α = 0°, 66°, 120° and 180°",),
     ),
     StabilityMap(  # 1 % more than where povgen warns, because the warning uses only a sample of rays
         "distance", "(e) distance of the eye", "z2: from the sheets to the eye (tiles)", UNROTATED, DARK + 1, "x",
@@ -81,7 +81,7 @@ MAPS = {made.name: made for made in (  # without rows
     ),
     StabilityMap(
         "aliasing", "(g) aliasing", "pixels per prism", "RMS error, one ray a pixel (1: white)", 0.21, "x",
-        finding="(g) The narrower the prisms, the noisier a picture without antialiasing",
+        finding="(g) Without antialiasing, narrow prisms make a picture noisy",
         band=("left", limits.MIN_PIXELS_PER_PRISM, "povgen warns"),
     ),
     StabilityMap(

@@ -30,9 +30,9 @@ class StabilityMap:
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_bound`, x is a bound of y in
     the same unit. For the drawing: `finding` is its title. `band` is where the method fails: on which side of which
-    value, and what happens there. `groups` are of series that look alike: those with the group's name in theirs, and
-    in the first group all others. `dot` is what the last row of POV-Ray's pictures shows. `limits` are what `limit` has
-    found.
+    value, and what happens there. `groups` are of series that look alike: a series is in the
+    group whose name is a part of its own, or in the first one. `dot` is the name of large dots, at the last row of each
+    series from POV-Ray's pictures. `limits` are what `limit` has found.
     """
 
     name: str
