@@ -41,7 +41,8 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "length of a prism, in units of that at full aperture; the least depends on index and base angle; below 2",
+        "relative length of a prism; at 1 all light along z takes the designed path; the least depends on index and "
+        "base angle; below 2",
         Prism.aspect,
         0,
         2,
