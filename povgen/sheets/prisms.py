@@ -41,8 +41,7 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "relative length of a prism; at 1 all light along z takes the designed path; the least depends on index and "
-        "base angle; below 2",
+        "length of a prism, 1 at full aperture; the least depends on index and base angle; below 2",
         Prism.aspect,
         0,
         2,
