@@ -278,8 +278,8 @@ def rng():
 def started_browser(script=""):
     """Start a Chromium whose pages wait long, and run a script first.
 
-    One that draws without a GPU, on a busy machine, is no fault. EGL draws, here Mesa, in 40 % of SwiftShader's CPU
-    time. Without EGL, Chromium takes SwiftShader.
+    One that draws without a GPU, on a busy machine, is no fault. Where EGL works, Mesa draws in less CPU time than
+    SwiftShader, which Chromium takes otherwise.
     """
     from povgen.measure import browser
 
