@@ -27,7 +27,7 @@ from povgen.video.still import render
 TINY = (320, 240)
 ALPHAS = (0, 66, 120, 180)  # degrees
 TOWARD_POLE = ("α → 180°", "z1 → z2")  # two ways to approach the pole, where the object appears at infinity
-GAP, UNROTATED = "air gap between prisms / pitch", "pixels without designed light (%)"
+GAP = "air gap between prisms / pitch"
 LOST, DARK = 100 * limits.MAX_LOST_FRACTION, 100 * (1 - limits.MIN_DESIGNED_FRACTION)
 MAPS = {made.name: made for made in (  # without rows
     StabilityMap(
@@ -71,12 +71,14 @@ MAPS = {made.name: made for made in (  # without rows
         band=("above", LOST, f"more than {LOST:g} % are lost"), dot="dots: povgen's level",
     ),
     StabilityMap(
-        "field", "(e) field angle", "field angle: of the line of sight to the axis (degrees)", UNROTATED, 50,
-        finding="(e) Beyond 12° off the axis, less than half of the light is designed",
-        band=("above", 50, "less than half is designed"),
+        "field", "(e) field angle", "field angle: of the line of sight to the axis (degrees)",
+        "pixels without light turned by α (%)", 50,
+        finding="(e) Beyond 12° off the axis, less than half of the light is turned by α",
+        band=("above", 50, "less than half is turned by α"),
     ),
     StabilityMap(  # 1 % more than where povgen warns, because the warning uses only a sample of rays
-        "distance", "(e) distance of the eye", "z2: from the sheets to the eye (tiles)", UNROTATED, DARK + 1, "x",
+        "distance", "(e) distance of the eye", "z2: from the sheets to the eye (tiles)",
+        "pixels without designed light (%)", DARK + 1, "x",
         finding=f"(e) The nearer the eye, the less designed light (window of {probes.APERTURE:g} tiles)",
         band=("above", DARK, "povgen warns"), groups=("α = 120° and 180°", "α = 0°", "α = 66°"),
     ),
@@ -226,7 +228,7 @@ def trace_level(size: Size = TINY) -> Iterator[StabilityMap]:
 def field_angle(
     distances: Sequence[float] = (0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 9, 15, 30, 60, 150), size: Size = SMALL
 ) -> Iterator[StabilityMap]:
-    """(e) Measure pixels without designed light, against the field angle, and against the eye's distance."""
+    """(e) Measure pixels without light turned by alpha at field angles, and those without designed light at z2."""
     angles, distance = deepcopy((MAPS["field"], MAPS["distance"]))
     near = [Directions(sheet="detailed", alpha=alpha, z2=0.7) for alpha in ALPHAS]
     for alpha, angle, rendered, exact in fractions(near, size):
