@@ -1,4 +1,4 @@
-"""Write docs/gallery.md and the README's row of pictures, from docs/gallery/ and movies/: `python docs/gallery.py`."""
+"""Write docs/gallery.md and the README's pictures that it has too, from docs/gallery/ and movies/: `python docs/gallery.py`."""
 
 import re
 import tomllib
@@ -27,7 +27,7 @@ TAIL = """
 | command | what the movie shows |
 |---|---|
 """
-ROW = re.compile(r"(?<=\| \| \| \|\n\|---\|---\|---\|\n).*\n.*\n")  # of the README's pictures
+OWN = re.compile(r"(^!\[.*\]\(docs/gallery/.*\n\n)+", re.MULTILINE)  # the README's pictures with "readme" in their files
 
 
 def pictures() -> dict[str, dict[str, str]]:
@@ -57,10 +57,9 @@ def page() -> str:
 
 
 def readme() -> str:
-    """Return the README's text, with the pictures that have a text for it."""
-    shown = [each for each in pictures().values() if "readme" in each]
-    rows = [f"![{each['alt']}](docs/gallery/{each['file']})" for each in shown], [each["readme"] for each in shown]
-    return ROW.sub("".join(f"| {' | '.join(row)} |\n" for row in rows), README.read_text("utf-8"), count=1)
+    """Return the README's text, with the pictures that are marked for it, each as wide as the page."""
+    shown = [f"![{each['alt']}](docs/gallery/{each['file']})\n\n" for each in pictures().values() if "readme" in each]
+    return OWN.sub("".join(shown), README.read_text("utf-8"), count=1)
 
 
 if __name__ == "__main__":

@@ -64,7 +64,7 @@ def arc(ax: Axes, centre: complex, radius: float, start: float, end: float, name
 
 def label(ax: Axes, place: complex, text: str, colour: str) -> None:
     """Write a small text on a white ground."""
-    write(ax, xy(place), text, color=colour, fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8})
+    write(ax, xy(place), text, color=colour, fontsize=10, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8})
 
 
 def plane(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
