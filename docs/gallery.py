@@ -24,7 +24,7 @@ TAIL = """
 
 ## Movies
 
-| command | what the movie shows |
+|command|what the movie shows|
 |---|---|
 """
 OWN = re.compile(r"(^!\[.*\]\(docs/gallery/.*\n\n)+", re.MULTILINE)  # the README's pictures with "readme" in their files
@@ -42,7 +42,7 @@ def movies() -> str:
     """Return the rows of the table of movies, with their titles."""
     files = sorted((PROJECT / "movies").glob("*.toml"))
     titles = {file.stem: tomllib.loads(file.read_text("utf-8"))["title"] for file in files}
-    return "".join(f"| `povgen movie {name}` | {title} |\n" for name, title in titles.items())
+    return "".join(f"|`povgen movie {name}`|{title}|\n" for name, title in titles.items())
 
 
 def page() -> str:

@@ -20,7 +20,8 @@ from povgen.video.overlay import annotated
 from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, TEXT, text_width, write
 
-SIZE, LOW, WIDE = (480, 480), (480, 384), (968, 410)  # of a panel, of a low one, of a picture with one, pixels
+# of a panel, of a low and of a tall one, and of a picture with one
+SIZE, LOW, TALL, WIDE = (480, 480), (480, 384), (520, 720), (968, 410)
 VIEW = 3.5  # tiles
 PART, TIMES = 36, 5  # side of the part that is magnified, pixels, and how many times larger it is
 GAP = 8  # between two panels, pixels
@@ -45,6 +46,7 @@ class Panel(NamedTuple):
     side_view: bool = False  # below all panels
     section: str = ""  # what the section of a prism, drawn at the lower left, says of the top face
     brighter: float = 1  # factor of the light in the window
+    aside: bool = False  # only beside what an ideal sheet would show before black
     size: tuple[int, int] = SIZE
 
 
@@ -87,12 +89,12 @@ WHITE = Chess(
     pedestal=0.3,
     background="black",
     view=2.5,
-    look=(-0.15, -0.05),
+    look=(-0.05, -0.05),
     glass="N-SF11",
     wavelength="white",
 )
-DOVE = WHITE.replace(prisms=500)
-POLARISED = CHESS.replace(prisms=60)
+POLARISED = CHESS.replace(background="white", floor="none", polariser=0, analyser=0)
+CROSSED = POLARISED.replace(analyser=90)
 
 
 def measured(scene: Chess) -> str:
@@ -194,16 +196,23 @@ OTHERS: dict[str, list[Panel]] = {
     "white": [
         Panel(
             WHITE.replace(sheet="lenticular", lenses=500, f_number=6),
-            "lenses: blurred, colour fringes, ghosts",
-            names={"ghost": (-1 + 0.75j, -0.55 + 0.65j), "another ghost": (-0.85 - 1.1j, -0.55 - 0.85j)},
+            "lenses: blurred, coloured edges, ghosts",
+            names={"ghost": (-0.7 + 0.5j, -0.52 + 0.65j), "another ghost": (-0.55 - 0.2j, -0.55 - 0.6j)},
+            size=TALL,
         ),
-        Panel(DOVE, "Dove prisms: sharp"),
-        Panel(DOVE, "only stray light is coloured", names={"stray light": (0.5 + 0.6j, 0.02 + 0.6j)}, brighter=8),
+        Panel(
+            WHITE.replace(prisms=500),
+            "prisms: sharp, only stray light coloured",
+            names={"stray light": (0.5 + 0.6j, 0.02 + 0.6j)},
+            brighter=8,
+            aside=True,
+            size=TALL,
+        ),
     ],
     "polarised": [
-        Panel(POLARISED, "no polarisers"),
-        Panel(POLARISED.replace(polariser=0, analyser=0), "parallel, 0° and 0°"),
-        Panel(POLARISED.replace(polariser=0, analyser=90), "crossed, 0° and 90°: mostly stray light", brighter=8),
+        Panel(POLARISED, "parallel: 34 % of designed light"),
+        Panel(CROSSED, "crossed: 1.5 % of designed light"),
+        Panel(CROSSED, "crossed: mostly stray light", brighter=10),
     ],
     "pupil": [
         Panel(PUPIL, "α = 0°: sharp"),
@@ -225,8 +234,12 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
     plain = scene.replace(predicted_image=False) if isinstance(scene, Chess) else scene
     picture = render(plain, size=shown.size, **look)
     if shown.brighter != 1:
-        opening = window(scene, shown.size)
-        picture[opening] = mixed([picture[opening]], [shown.brighter * np.eye(3)])
+        opening = picture[window(scene, shown.size)]
+        bright = mixed([opening], [shown.brighter * np.eye(3)])
+        if shown.aside:
+            ideal = render(scene.replace(sheet="ideal"), size=shown.size, **look)[window(scene, shown.size)]
+            bright = np.where(ideal.any(-1, keepdims=True), opening, bright)
+        opening[:] = bright
     image = Image.fromarray(picture)
     if shown.brighter != 1:
         _name(image, f"{shown.brighter} × brighter", (0.75 * width, 2 * LETTERS))

@@ -21,22 +21,22 @@ from povgen.scene.scenes import Chess
 
 ALPHA, Z1 = 66, 2.0  # degrees, tiles
 PITCH, DISTANCE, RADIUS = 1e-3, 1.0, 5e-3  # of real prisms: their pitch, the object's distance, a circle; metres
-DRAWN_RADII = {0.2: 8, 0.6: 18}  # of circles on the sheet, tiles, and how many rays are drawn through each
+DRAWN_RADII = {0.2: (8, "--"), 0.6: (18, "-")}  # circles on the sheet, tiles: how many rays are drawn, and dashes
 
 Floats = NDArray[np.float64]
 
 
 def save_charts(folder: Path) -> None:
-    """Write field.png and curl.png into a folder, and the lines of paths and of the curl into .csv files."""
+    """Write field.png, jumps.png and curl.png into a folder, and the lines of paths and of the curl into .csv files."""
     with drawn(12, 5.2, folder / "field.png") as figure:
         rays, wave_front = figure.subplots(1, 2)
         draw_rays(rays)
         draw_wave_front(wave_front)
         save_lines(folder / "field.csv", wave_front)
-    with drawn(12, 5.2, folder / "curl.png") as figure:
-        pieces, curl = figure.subplots(1, 2, gridspec_kw={"wspace": 0.15})
-        draw_pieces(pieces)
-        draw_curl(curl)
+    with drawn(9, 4.8, folder / "jumps.png") as figure:
+        draw_pieces(figure.subplots())
+    with drawn(9, 4.8, folder / "curl.png") as figure:
+        draw_curl(curl := figure.subplots())
         save_lines(folder / "curl.csv", curl)
 
 
@@ -104,8 +104,8 @@ def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
 
 def draw_rays(ax: Axes) -> None:
     """Draw, as the eye sees it, where light from a point goes before the ideal sheet: from 0 to 1.5 tiles before it."""
-    for (radius, count), below in zip(DRAWN_RADII.items(), (-0.37, -0.56), strict=True):
-        ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), ":", color=GREY)
+    for (radius, (count, dashes)), below in zip(DRAWN_RADII.items(), (-0.37, -0.56), strict=True):
+        ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), dashes, color=GREY)
         at_sheet = radius * np.exp(2j * pi * np.arange(count) / count)
         before = at_sheet * (1 + 1.5 / equations.depth(Z1, 0, radians(ALPHA)))
         ax.text(0, below, f"radius {radius:g}", color=GREY, ha="center", va="bottom")
@@ -127,12 +127,13 @@ def draw_wave_front(ax: Axes) -> None:
         if radius not in DRAWN_RADII:
             continue
         nearer = height[0] - height
-        ax.plot(np.degrees(turns), nearer, color=IDEAL, linewidth=2, label=f"radius {radius:g} tiles")
+        look = {"ls": DRAWN_RADII[radius][1], "color": IDEAL, "linewidth": 2}
+        ax.plot(np.degrees(turns), nearer, **look, label=f"radius {radius:g} tiles")
         ax.text(364, nearer[-1], f"radius {radius:g} tiles:\n{nearer[-1]:.2f} after a turn", color=IDEAL, va="center")
     ax.text(10, 0.74, "A wave front is perpendicular to its rays.\nIt would end where it began: at 0.", color=GREY)
     ax.set(
         xlabel="angle on the circle, degrees",
-        ylabel="how much nearer to the sheet than at the start (tiles)",
+        ylabel="nearer to the sheet by (tiles)",
         xlim=(0, 360),
     )
     ax.set_ylim(bottom=0)
@@ -141,10 +142,11 @@ def draw_wave_front(ax: Axes) -> None:
 
 def draw_pieces(ax: Axes) -> None:
     """Draw the optical path on a circle round the axis: what the ideal sheet's rays demand, and what prisms do."""
-    turns = np.linspace(0, 2 * pi, 6001)
+    turns = np.linspace(0, 2 * pi, 60001)
     demanded = RADIUS**2 * equations.curl(DISTANCE, 0, radians(ALPHA)) / 2 * turns
     path = path_through_prisms(RADIUS * np.exp(1j * turns))
-    path[1:][abs(np.diff(path)) > 1e-7] = np.nan  # a jump between prisms
+    jumps = np.where(abs(np.diff(path)) > 1e-7, np.diff(path), 0)  # between prisms
+    path[1:][jumps != 0] = np.nan
     degrees = np.degrees(turns)
     ax.plot(degrees, 1e6 * demanded, color=IDEAL, linewidth=2)
     ax.text(170, 84, "what the ideal sheet's\nrays demand", color=IDEAL, ha="right")
@@ -152,15 +154,13 @@ def draw_pieces(ax: Axes) -> None:
     ax.annotate("", (360, most), (360, 0), arrowprops={"arrowstyle": "<->", "color": IDEAL, "shrinkA": 0, "shrinkB": 0})
     ax.annotate(f"{most:.0f} µm", (360, most / 2), (6, 0), textcoords="offset points", color=IDEAL, va="center")
     ax.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
-    ax.text(350, 14, "prisms: short pieces with jumps between them", color=PRISMS, ha="right")
-    ax.text(
-        5,
-        130,
-        f"circle on the sheet: radius {1e3 * RADIUS:g} mm\npitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m, α = {ALPHA}°",
-        color=GREY,
-    )
+    text = f"prisms: {np.count_nonzero(jumps)} jumps between pieces,\ntogether {1e6 * jumps.sum():.0f} µm"
+    to = {"color": PRISMS, "arrowprops": {"arrowstyle": "->", "color": PRISMS}}
+    ax.annotate(text.replace("-", "−"), (244, 5), (200, 32), **to)
+    circle = f"circle on the sheet: radius {1e3 * RADIUS:g} mm\n"
+    ax.text(5, 125, f"{circle}pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m, α = {ALPHA}°", color=GREY)
     ax.set(xlabel="angle on the circle, degrees", ylabel="optical path from the point (µm)", xlim=(0, 360))
-    ax.set_title(f"The optical path grows by {most:.0f} µm in a turn: no wave front fits", fontsize=11)
+    ax.set_title(f"Ideal rays demand {most:.0f} µm more in a turn; the jumps of prisms take it back")
 
 
 def draw_curl(ax: Axes) -> None:
@@ -172,18 +172,18 @@ def draw_curl(ax: Axes) -> None:
         ax.plot(alphas, curl, dashes, color="#444444", linewidth=2, label=f"z₂ = {z2:g} tiles")
         highest = curl[:130].argmax()
         ax.text(alphas[highest], curl[highest] + 0.04, f"z₂ = {z2:g}", color="#444444", ha="right")
+    keys = ax.lines[:1]
     for count, sheet, mark, colour in ((200, "ideal", "o", IDEAL), (3000, "detailed", "+", PRISMS)):
         for alpha in range(15, 180, 30):
             light = light_of(Chess(sheet=sheet, alpha=alpha, prisms=1000), 0.3, count)
             for z2 in distances:
                 look = {"markersize": 9, "markeredgewidth": 1.8, "fillstyle": "none"}
-                ax.plot(alpha, traced_curl(light, z2), mark, color=colour, **look)
-    ax.text(4, 1.66, "circles: ray trace, ideal sheet", color=IDEAL)
-    ax.text(4, 1.58, "crosses: 2 × 1000 prisms, their mean", color=PRISMS)
-    ax.text(4, 1.50, "lines: the formula", color=GREY)
-    ax.text(4, 1.42, f"z₂: distance before the sheet, tiles; z₁ = {Z1:g}", color=GREY)
+                (marks,) = ax.plot(alpha, traced_curl(light, z2), mark, color=colour, **look)
+        keys.append(marks)
+    formula = f"formula; z₁ = {Z1:g} tiles, z₂: tiles before the sheet"
+    ax.legend(keys, (formula, "ray trace, ideal sheet", "2 × 1000 prisms, their mean"), fontsize=11, loc="upper left")
     ax.set(xlabel="α, degrees", ylabel="curl of the rays' slopes, on the axis (1/tile)", xlim=(0, 180), ylim=(0, 1.75))
-    ax.set_title("The field of rays has a curl, except at α = 0° and 180°", fontsize=11)
+    ax.set_title("The field of rays has a curl, except at α = 0° and 180°")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ from povgen.optics.polarisation import transmission
 WAVELENGTHS = {"450 nm": 450e-9, "550 nm": 550e-9, "650 nm": 650e-9}
 LIGHT = {"450 nm": "#1f4fd8", "550 nm": "#2e9e2e", "650 nm": "#d11919"}  # the light's own colours
 FAR = ("#e0a100", "#d1603d", "#7b4b94", "#0b2f55")  # the darker, the farther away the object
-BLUES = ("#0b1f3a", "#0b4a85", "#1f74c4", "#4f9be0")  # prisms, the lighter the larger alpha
+DASHES = "-", "--", "-.", ":"  # beside colours, for eyes that do not tell them apart
+BLUES = ("#0b1f3a", "#0b4a85", "#1f74c4", "#3a86c8")  # prisms, the lighter the larger alpha
 Z2 = 1.0  # metres
 ALPHA = 66  # degrees
 SHIFT = np.sqrt(2 / 3)  # RMS displacement of rays by two sheets, in pitches
@@ -27,7 +28,6 @@ def save_charts(folder: Path) -> None:
         ax = figure.subplots()
         draw_polarisation(ax)
         save_lines(folder / "polarisation.csv", ax)
-        name_lines(ax)
     with drawn(11, 5, folder / "diffraction.png") as figure:
         left, right = figure.subplots(1, 2)
         draw_blur(left)
@@ -45,10 +45,12 @@ def draw_polarisation(ax: Axes) -> None:
     """Draw the share of linearly polarised light that passes two sheets, against its angle, for light along z."""
     angle = np.arange(181)
     light = Bundle(np.column_stack((np.linspace(-0.1, 0.1, 50),) * 2 + (np.ones(50),)), (0, 0, -1))
-    for alpha, colour in zip((0, 66, 120, 180), BLUES, strict=True):
+    for alpha, colour, dashes in zip((0, 66, 120, 180), BLUES, DASHES, strict=True):
         traced = Chess(alpha=alpha).trace(light, path=True)
         J = traced.jones[traced.designed][0]  # the same for all of them
-        ax.plot(angle, transmission(J, np.radians(angle)), color=colour, linewidth=2, label=f"α = {alpha}°")
+        share = transmission(J, np.radians(angle))
+        ax.plot(angle, share, dashes, color=colour, linewidth=2, label=f"α = {alpha}°")
+        ax.text(183, share[-1], f"α = {alpha}°", color=colour, va="center")
     ax.set(xlabel="polarisation, degrees from the far sheet's ridges", ylabel="share of the light that passes")
     ax.set(xlim=(0, 180), ylim=(0.6, 1), title="The larger α, the less polarisation matters")
     ax.set_xticks(range(0, 181, 30))
@@ -58,10 +60,10 @@ def draw_polarisation(ax: Axes) -> None:
 def draw_blur(ax: Axes) -> None:
     """Draw blur against pitch, for several distances of the object."""
     pitch = np.geomspace(0.03e-3, 10e-3, 300)
-    for z1, colour in zip((0.3, 1.0, 3.0, 10.0), FAR, strict=True):
+    for z1, colour, dashes in zip((0.3, 1.0, 3.0, 10.0), FAR, DASHES, strict=True):
         best = float(best_pitch(550e-9, z1))
         name = f"z₁ = {z1:g} m: best {1e3 * best:.1f} mm"
-        ax.loglog(1e3 * pitch, minutes(pitch, z1), color=colour, linewidth=2, label=name)
+        ax.loglog(1e3 * pitch, minutes(pitch, z1), dashes, color=colour, linewidth=2, label=name)
         ax.plot(1e3 * best, minutes(best, z1), "o", color=colour, markersize=9)
     ax.axhline(1, color=GREY, linestyle=":")
     ax.text(0.033, 0.93, "what an eye resolves", color=GREY, va="top")

@@ -275,20 +275,19 @@ def rng():
 
 
 @contextmanager
-def started_browser(script="", mesa=False):
+def started_browser(script=""):
     """Start a Chromium whose pages wait long, and run a script first.
 
-    One that draws without a GPU, on a busy machine, is no fault. With `mesa`, EGL draws, here Mesa, in 40 % of
-    SwiftShader's CPU time. How many rays it draws at once is less certain. Without EGL, Chromium takes SwiftShader.
+    One that draws without a GPU, on a busy machine, is no fault. Where EGL works, Mesa draws in less CPU time than
+    SwiftShader, which Chromium takes otherwise.
     """
     from povgen.measure import browser
 
+    others = [each for each in browser.ARGUMENTS if not each.startswith("--use-angle")]
+    egl = "--use-angle=gl-egl --ignore-gpu-blocklist --disable-gpu-compositing".split()
     with pytest.MonkeyPatch.context() as patch:
-        if mesa:
-            others = [each for each in browser.ARGUMENTS if not each.startswith("--use-angle")]
-            egl = "--use-angle=gl-egl --ignore-gpu-blocklist --disable-gpu-compositing".split()
-            patch.setenv("EGL_PLATFORM", "surfaceless")
-            patch.setattr(browser, "ARGUMENTS", [*others, *egl])
+        patch.setenv("EGL_PLATFORM", "surfaceless")
+        patch.setattr(browser, "ARGUMENTS", [*others, *egl])
         with browser.chromium() as started:
             new_page = started.new_page
 

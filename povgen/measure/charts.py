@@ -9,7 +9,6 @@ import numpy as np
 from povgen.measure.plotting import (
     COLOURS,
     GREY,
-    IDEAL,
     PRISMS,
     Axes,
     drawn,
@@ -37,8 +36,8 @@ def save_frames(points: Sequence[Point], folder: Path) -> None:
     draw_frames(folder)
 
 
-def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet")) -> None:
-    """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right."""
+def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet"), *notes: str) -> None:
+    """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right, notes below."""
     rows = table_rows(folder / "frames.csv")
     for width, height in dict.fromkeys((row[2], row[3]) for row in rows):
         name = f"frames-{width}x{height}"
@@ -46,8 +45,9 @@ def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet"))
             shown = [row for row in rows if row[2:4] == [width, height]]
             axes = figure.subplots(1, 2)
             axes[0].set(ylabel="RMS error (1: white)")
-            marks = "marks: samplings; large: those of --quality; light grey: another one is cheaper and more accurate"
-            figure.supxlabel(marks, fontsize=11)
+            letters = ", ".join(f"{names[0][0]}: {' and '.join(names)}" for names in _qualities(True).values())
+            marks = f"marks: samplings that no cheaper one betters, and those of --quality ({letters})"
+            figure.supxlabel("\n".join((marks, *notes)), fontsize=11)
             for ax, prisms, title in zip(axes, (True, False), titles, strict=True):
                 ax.set(xscale="log", yscale="log", title=title, xlabel=f"CPU seconds for a frame of {width}x{height}")
                 for axis in (ax.xaxis, ax.yaxis):
@@ -57,37 +57,37 @@ def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet"))
                 _scatter(ax, [row for row in shown if row[0].endswith("ideal") != prisms], prisms)
 
 
-LOOKS = {  # of a method: the renderer, its line and mark, and its colour
-    "detailed": ("POV-Ray", "--o", PRISMS),
-    "gl detailed": ("gl (without GPU)", "-D", PRISMS),
-    "live detailed": ("live view (browser)", ":^", GREY),
-    "ideal": ("POV-Ray", "--o", IDEAL),
-    "gl ideal": ("gl (without GPU)", "-D", IDEAL),
-    "live ideal": ("live view (browser)", ":^", GREY),
-    "intersections": ("by hand: intersections", ":x", COLOURS[2]),
-    "prisms": ("by hand: prism objects", ":s", COLOURS[3]),
+LOOKS = {  # of the renderers that are drawn: name, line and mark, and colour
+    "": ("POV-Ray", "--o", COLOURS[3]),
+    "gl ": ("gl (without GPU)", "-D", COLOURS[2]),
+    "live ": ("live view (browser)", ":^", GREY),
     "Mitsuba scalar_rgb": ("Mitsuba 3", ":v", COLOURS[4]),
 }
 
 
-def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
-    """Draw RMS against CPU seconds: a line joins the samplings for which no cheaper one has a smaller error."""
-    names: dict[str, list[str]] = {}  # of povgen's qualities, by their sampling
+def _qualities(prisms: bool) -> dict[str, list[str]]:
+    """Return povgen's qualities, by their sampling."""
+    names: dict[str, list[str]] = {}
     for quality in QUALITIES:
         names.setdefault(Rendering(quality=quality).suited(prisms).sampling, []).append(quality)
-    large = []
-    for method in dict.fromkeys(row[0] for row in rows):
-        label, look, colour = LOOKS[method]
-        found = sorted((float(row[4]), float(row[5]), row[1]) for row in rows if row[0] == method)
+    return names
+
+
+def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
+    """Draw RMS against CPU seconds: a line joins the samplings for which no cheaper one has a smaller error."""
+    names = _qualities(prisms)
+    for renderer, (label, look, colour) in LOOKS.items():
+        methods = renderer, f"{renderer}detailed", f"{renderer}ideal"
+        found = sorted((float(row[4]), float(row[5]), row[1]) for row in rows if row[0] in methods)
         best = [each for n, each in enumerate(found) if all(each[1] < before[1] for before in found[:n])]
         for x, y, sampling in found:
             if sampling in names:
-                ax.plot(x, y, look[-1], color=colour, markersize=11, zorder=3)
-                large.append((", ".join(names[sampling]), [(x, y)], colour))
-            elif (x, y, sampling) not in best:
-                ax.plot(x, y, look[-1], color="#d4d4d4", markersize=4)
-        ax.plot(*np.transpose([each[:2] for each in best]), look, color=colour, markersize=5, label=label)
-    name_lines(ax, *large)
+                ax.plot(x, y, look[-1], color=colour, markersize=18, zorder=3)
+                letter = ax.text(x, y, names[sampling][0][0], color="white", weight="bold", zorder=4)
+                letter.set(ha="center", va="center_baseline")
+        if best:
+            ax.plot(*np.transpose([each[:2] for each in best]), look, color=colour, markersize=5, label=label)
+    name_lines(ax)
 
 
 WHAT = {  # for each error, what is wrong

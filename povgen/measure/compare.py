@@ -280,7 +280,7 @@ def designed_fraction(scenes: Sequence[Directions], size: Size) -> Numbers:
 
 
 def fractions(scenes: Sequence[Directions], size: Size) -> Iterator[tuple[float, float, float, float]]:
-    """Yield alpha, field angle, and two fractions of pixels that show rotated light: rendered, and traced exactly.
+    """Yield alpha, field angle, and two fractions of pixels that show light turned by alpha: rendered, and traced.
 
     Angles are in degrees. Pixels are grouped by field angle, in rings 5 degrees wide. The field angle is that of the
     ring's middle. Rings of 500 pixels or fewer are left out.

@@ -62,7 +62,7 @@ def irradiance(
     count: int = 1_000_000,
     seed: int = 1,
 ) -> Irradiance:
-    """Return the irradiance on the screen z by a source whose light passes the scene's windows.
+    """Return the irradiance on a screen at z by a source whose light passes the scene's windows.
 
     The source is a point (x, y, z) that shines equally in all directions; with a `diameter`, the middle of a disc,
     parallel to the screen, that shines as the cosine of the angle to z (Lambert); or a `Card`, of which each point

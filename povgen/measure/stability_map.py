@@ -28,11 +28,11 @@ class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
-    logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_bound`, x is a bound of y in
-    the same unit. For the drawing: `finding` is its title. `band` is where the method fails: on which side of which
-    value, and what happens there. `groups` are of series that look alike: a series is in the
-    group whose name is a part of its own, or in the first one. `dot` is the name of large dots, at the last row of each
-    series from POV-Ray's pictures. `limits` are what `limit` has found.
+    logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate
+    of y, in the same unit. For the drawing: `finding` is its title. `band` is where the method fails: on which side of
+    which value, and what happens there. `groups` are of series that look alike: a series is in the group whose name is
+    a part of its own, or in the first one. `dot` is the name of large dots, at the last row of each series from
+    POV-Ray's pictures. `limits` are what `limit` has found.
     """
 
     name: str
@@ -41,7 +41,7 @@ class StabilityMap:
     y: str
     tolerance: float
     log_axes: str = ""
-    is_bound: bool = False
+    is_estimate: bool = False
     finding: str = ""
     band: tuple[Literal["left", "right", "above"], float, str] | None = None
     groups: tuple[str, ...] = ()
@@ -54,13 +54,21 @@ class StabilityMap:
         self.rows.append((series, float(x), float(y)))
 
     def limit(self, sheet: str, series: str, in_force: float, unit: str = "", *, rising: bool = True) -> None:
-        """Find the limit of a series in its rows. Append it to `limits`, with the limit that povgen uses, `in_force`.
+        """Find the limit of a series. Append it to `limits`, with the limit that povgen uses, `in_force`."""
+        found = self.crossing(series, rising=rising)
+        self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
+
+    def crossing(self, series: str, *, rising: bool) -> float:
+        """Return the limit of a series: where the line between its rows, as it is drawn, crosses the tolerance.
 
         If y is rising with x, the limit is the greatest x up to which y is within the tolerance. Otherwise the limit is
-        the least x above which y is within the tolerance. Between two rows the limit is interpolated linearly, or in
-        the logarithm of x if the x axis is logarithmic. If y exceeds the tolerance already at the least x (or, if y is
-        not rising, at the greatest x), the limit is NaN, which fails.
+        the least x above which y is within the tolerance. If y exceeds the tolerance already at the least x (or, if y
+        is not rising, at the greatest x), the limit is NaN, which fails.
         """
+
+        def scaled(axis: str, *values: float) -> list[float]:
+            return [np.log(max(value, 1e-9)) if axis in self.log_axes else value for value in values]
+
         points = sorted(((x, y) for name, x, y in self.rows if name == series), reverse=not rising)
         found = points[0][0] if points[0][1] <= self.tolerance else np.nan
         for (x0, y0), (x1, y1) in pairwise(points):
@@ -68,11 +76,10 @@ class StabilityMap:
                 break
             if y1 <= self.tolerance:
                 found = x1
-            elif y1 > self.tolerance and "x" in self.log_axes:
-                found = x0 * (x1 / x0) ** ((self.tolerance - y0) / (y1 - y0))
             elif y1 > self.tolerance:
-                found = x0 + (x1 - x0) * (self.tolerance - y0) / (y1 - y0)
-        self.limits.append(Measured(sheet, f"{self.title}: {series}", found, in_force, unit, least=rising))
+                found = np.interp(scaled("y", self.tolerance), scaled("y", y0, y1), scaled("x", x0, x1))[0]
+                found = np.exp(found) if "x" in self.log_axes else found
+        return float(found)
 
 
 def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measured], object]) -> None:
@@ -91,7 +98,7 @@ def draw(measured: StabilityMap, folder: Path) -> None:
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw each series as a line, or the rows as points if x is a bound of y. Mark where the method fails."""
+    """Draw each series as a line, or the rows as points if x is an estimate of y. Mark where the method fails."""
     ax.set(xlabel=measured.x, ylabel=measured.y, title=measured.finding)
     ax.grid(alpha=0.25)
     for name in measured.log_axes:
@@ -109,8 +116,11 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     for x in [x for _, x, y in measured.rows if y == 0] if "y" in measured.log_axes else ():
         ax.plot(x, bottom, "v", color=COLOURS[0], clip_on=False)
         others.append((f"0 at {x:g}", [(x, bottom)], COLOURS[0]))
-    if measured.is_bound:
-        ax.plot((left, right), (left, right), ":", color=GREY, label="error as great as its bound")
+    if measured.is_estimate:
+        ax.plot((left, right), (left, right), ":", color=GREY, label="as great as stated")
+        above = [(x, y) for _, x, y in measured.rows if y > x]
+        ax.plot(*np.reshape(above, (-1, 2)).T, "o", color=RED, markersize=13, fillstyle="none")
+        others += [("circled: greater than stated", above, RED)] if above else []
     elif not (measured.band and measured.band[0] == "above"):
         ax.axhline(measured.tolerance, color=GREY, linestyle=":", label=f"allowed: {measured.tolerance:g}")
     if measured.band:
@@ -125,7 +135,7 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
 
 
 def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple[float, float]], str]]:
-    """Draw the series. Return the name of their dots, the dots' places and its colour.
+    """Draw the series. Return what else to name: a text, the points that it belongs to, and its colour.
 
     Of more series than colours, SOME are drawn, whose last rows of `RENDERED` are spread evenly. The table has all.
     """
@@ -134,10 +144,10 @@ def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple
         rows.setdefault(name, []).append((row[0], row[1]))
     traced = [name for name in rows if not name.endswith(RENDERED)]
     if len(traced) > len(COLOURS) and not measured.groups:
-        ax.set_title(f"{measured.finding} ({SOME} of {len(traced)} scenes)")
+        ax.set_title(f"{measured.finding} ({SOME} of {len(traced)} scenes shown)")
         ordered = sorted(traced, key=lambda name: rows[name + RENDERED][-1][0])
         traced = [ordered[n] for n in np.linspace(0, len(traced) - 1, SOME).round().astype(int)]
-    dots = []
+    dots, others = [], []
     for name in traced:
         group = (
             next((group for group in measured.groups[1:] if group in name), measured.groups[0])
@@ -145,12 +155,16 @@ def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple
             else name
         )
         n, points = (measured.groups or traced).index(group), np.array(rows[name])
-        label = fill(re.sub("(?<!,) ", "\N{NBSP}", group), 30)  # in several lines only after commas
+        label = fill(re.sub("(?<!,) ", "\N{NBSP}", group), 30).replace("-", "−")  # in several lines only after commas
         if label in [line.get_label() for line in ax.lines]:
             label = "_"
-        line = ("-", "--", "-.")[n % 3] if len(points) > 30 else MARKS[n] + "-" * (not measured.is_bound)
+        line = ("-", "--", "-.")[n % 3] if len(points) > 30 else MARKS[n] + "-" * (not measured.is_estimate)
         ax.plot(*points.T, line, color=COLOURS[n], label=label)
         if measured.dot:
             dots += rows[name + RENDERED][-1:]
             ax.plot(*dots[-1], "o", color=COLOURS[n], markersize=10)
-    return [(measured.dot, dots, "black")] if dots else []
+        elif "y" in measured.log_axes and not measured.is_estimate:
+            x = measured.crossing(name, rising=True)
+            ax.plot(x, measured.tolerance, "o", color=COLOURS[n], markersize=13, fillstyle="none")
+            others.append((f"{float(f'{x:.2g}'):g}", [(x, measured.tolerance)], COLOURS[n]))
+    return [*others, (measured.dot, dots, "black")] if dots else others

@@ -233,7 +233,7 @@ def _visible(scene: Scene) -> Booleans:
 
 
 def _uncertainty(scene: AxialScene) -> float:
-    """Return the greatest possible error of the predicted position; near the pole it is large, at infinity infinite."""
+    """Return the possible error of the predicted position; near the pole it is large, at infinity infinite."""
     if not scene.has_prisms:
         return 0.0
     (L, z1), radius = scene.objects[0], scene.radii[0]
@@ -258,7 +258,7 @@ QUANTITIES = {
     ),
     "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification", stacks=True),
     "uncertainty": Quantity(
-        _uncertainty, "tiles", "by how much x and y can be wrong, because of the finite size of the prisms"
+        _uncertainty, "tiles", "possible error of x and y, because of the finite size of the prisms"
     ),
     "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0", stacks=True, in_rooms=True),
     "seen_x": Quantity(
@@ -270,7 +270,7 @@ QUANTITIES = {
     "blur": Quantity(
         lambda scene: traced_image(scene).blur,
         "tiles",
-        "RMS distance in the plane z = 0 of a point's images by single prisms",
+        "RMS distance, in the plane z = 0, of a point's images by single prisms from their mean",
     ),
     "designed": Quantity(
         lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"

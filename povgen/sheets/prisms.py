@@ -41,7 +41,7 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "length of a prism, in units of that at full aperture; the least depends on index and base angle; below 2",
+        "length of a prism, 1 at full aperture; the least depends on index and base angle; below 2",
         Prism.aspect,
         0,
         2,

@@ -197,7 +197,7 @@ def test_of_many_series_those_are_drawn_whose_levels_are_spread_evenly():
     draw_map(ax, measured)
     assert [text.get_text() for text in ax.texts] == ["the level", "0", "4", "9", "allowed: 1"]
     assert [line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 1] == [5, 9, 14]
-    assert ax.get_title(loc="left") + ax.get_title() == "finding (3 of 10 scenes)"
+    assert ax.get_title(loc="left") + ax.get_title() == "finding (3 of 10 scenes shown)"
 
 
 def test_names_are_beside_their_lines_and_hide_nothing():
@@ -229,6 +229,8 @@ def test_a_limit_is_where_the_ordinate_crosses_the_tolerance():
     measured.add("never", 2, 0.0)
     measured.limit("ideal", "never", 1)
     assert not measured.limits[-1].holds
+    logarithmic = StabilityMap("name", "title", "x", "y", 1.0, "xy", rows=[("a", 1, 0.01), ("a", 1000, 10)])
+    assert logarithmic.crossing("a", rising=True) == pytest.approx(100)
     for x in (1, 9):
         measured.add("always", x, 0.5)
     measured.limit("ideal", "always", 9)
@@ -297,7 +299,7 @@ def test_maps_are_drawn_and_tabled(all_maps, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {f"{name}.{kind}" for name in names for kind in ("csv", "png")}
     head, *rows = (tmp_path / "grid.csv").read_text().splitlines()
     error = "worst error (px)"
-    assert head == f"series,predicted upper bound of the error (px),{error}"
+    assert head == f"series,error that povgen states (px),{error}"
     assert len(rows) == 5 and rows[-1].startswith("# povgen record") and len(found) == (11 if all_maps else 1)
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
 

@@ -21,12 +21,10 @@ def test_lenses_show_colours_and_the_designed_path_of_dove_prisms_none():
     for sheet in ("detailed", "lenticular"):
         scene = Chess(sheet=sheet, glass="N-SF11", f_number=6)
         one, white = (
-            render(each, size=(160, 120), renderer="gl", antialias="off").astype(int)
+            render(each, size=SIZE, renderer="gl", antialias="off").astype(int)
             for each in (scene, scene.replace(wavelength="white"))
         )
-        seen = [
-            each.trace(each.rays((160, 120))).designed for each in (scene.replace(wavelength=w) for w in (405, 695))
-        ]
+        seen = [each.trace(each.rays(SIZE)).designed for each in (scene.replace(wavelength=w) for w in (405, 695))]
         differs[sheet] = (abs(one - white).max(-1) > 3)[np.all(seen, axis=0)].mean()
     assert differs["detailed"] < 0.005 < 0.2 < differs["lenticular"]
 

@@ -18,7 +18,7 @@ DRAWN = "if (Object.hasOwn(view, 'later')) { delete view.later; view.again(); }"
 @pytest.fixture(scope="package")
 def browser():
     """The Chromium of all tests in this folder. Its pages have few rays: those of a coarse display."""
-    with started_browser("window.devicePixelRatio = 0.2", mesa=True) as started:
+    with started_browser("window.devicePixelRatio = 0.2") as started:
         yield started
 
 
