@@ -141,7 +141,7 @@ docs/rooms/%.png: docs/rooms/%.toml docs/room_pictures.py $(SOURCES) | $(VENV)/c
 docs/rooms/%.png: povgen/page/examples/%.toml docs/room_pictures.py $(SOURCES) | $(VENV)/charts-ready $(VENV)/gl-ready gl-deps
 	$(drawn-room)
 
-docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies, and the README's row of pictures
+docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies
 	$(VENV)/bin/python $<
 
 docs/reference.md: $(SOURCES) docs/reference.py | $(VENV)/test-ready  ## tables of options, sheets, objects, quantities and names, from the code

@@ -16,7 +16,7 @@ from povgen.video.overlay import Item, strip
 
 SIZE = 800, 450  # pixels
 FIRST, STEP, RATE = 90, 3, 15  # degrees, degrees a frame, frames a second
-QUALITY = 45  # of the file, which is to be below 1.5 MB
+QUALITY = 41  # of the file, which is to be below 1.5 MB
 
 
 def main(output: Path, alphas: Sequence[int]) -> None:

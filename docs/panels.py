@@ -167,7 +167,12 @@ PANELS: dict[str, list[Panel]] = {
             LINE.replace(sheet="ideal"),
             "α = 120°: they appear on a circle",
             dashes=REST.reshape(-1, 2),
-            names={**ENDS, "no sphere": (0.58j,), "all z₁": (-0.3 + 0.1j, -0.76 - 0.1j), "predicted": (-0.3j, -0.03 - 0.66j)},
+            names={
+                **ENDS,
+                "no sphere": (0.58j,),
+                "all z₁": (-0.3 + 0.1j, -0.76 - 0.1j),
+                "predicted": (-0.3j, -0.03 - 0.66j),
+            },
             overlay=True,
             size=LOW,
         ),
@@ -187,7 +192,7 @@ PANELS: dict[str, list[Panel]] = {
         Panel(
             BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
             "lenses, f/6: sharper, but with ghosts",
-            names={"ghost": (-0.65 + 0.28j, -0.53 + 0.55j), "another ghost": (-0.5 - 0.22j, -0.48 - 0.5j)},
+            names={"ghost": (-0.72 + 0.28j, -0.62 + 0.7j), "another ghost": (-0.61 - 0.22j, -0.55 - 0.68j)},
         ),
     ],
 }

@@ -160,8 +160,8 @@ def vary_alpha(rendering: Rendering) -> Captioned:
     """Draw figure 3: frames of the alpha movie, with predicted images."""
     scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
     figure, panels, measured = _compared(scenes, rendering, [_at_angle(scene) for scene in scenes])
-    point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
-    point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), PREDICTED)
+    point_at(panels[0], (-0.15, -1.08), "stray light", (0.76, -1.27), size=14)
+    point_at(panels[2], (0.42, -0.47), "predicted image", (0.4, -1.2), PREDICTED, 14)
     return figure, {"pieces": measured}
 
 
@@ -170,7 +170,7 @@ def vary_z1(rendering: Rendering) -> Captioned:
     scenes = [Chess(alpha=90, z1=z1) for z1 in (1, 1.5, 3, 6, 15, 30)]
     titles = [f"{_at_angle(scene)}, $z_1$ = {scene.distances[0]:g}" for scene in scenes]
     figure, panels, measured = _compared(scenes, rendering, titles)
-    point_at(panels[2], (0.6, -0.48), "predicted image", (0.78, -1.15), PREDICTED)
+    point_at(panels[2], (0.6, -0.48), "predicted image", (0.4, -1.2), PREDICTED, 14)
     half = 0.24
     for ax, scene in ((panels[n], scenes[-1].replace(sheet=sheet)) for n, sheet in ((5, "detailed"), (11, "ideal"))):
         inset = ax.inset_axes((0.6, 0.01, 0.39, 0.39))
@@ -195,7 +195,7 @@ def geometry(rendering: Rendering) -> Captioned:
         (0.08, 0.48, "seen along z"),
         (0.51, 0.48, r"$P$ is where orange ($r = p_2/p_1$) crosses blue ($\alpha$)"),
     ):
-        figure.text(x, y, text, fontsize=9)
+        figure.text(x, y, text, fontsize=11)
     traced = agreement.trace_through_P(alpha, z1, z2)
     return figure, {"alpha": degrees(alpha), "traced": traced}
 
@@ -262,7 +262,7 @@ def _montage(scenes: Sequence[Scene], rendering: Rendering, titles: list[str]) -
     panels = [ax for row in (*rows[::2], *rows[1::2]) for ax in row] if ideal else [*rows[0], *rows[1]]
     _draw_frames(panels, scenes, rendering)
     for n, title in enumerate(titles):
-        entitle(panels[n], n, title, 15 if ideal else 9)
+        entitle(panels[n], n, title, 16 if ideal else 9)
     for row, text in zip(rows if ideal else (), ("prisms", "ideal sheet") * 2, strict=ideal):
         row[0].text(-0.07, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center", fontsize=16)
     return figure, panels
@@ -271,7 +271,7 @@ def _montage(scenes: Sequence[Scene], rendering: Rendering, titles: list[str]) -
 def _compared(
     scenes: Sequence[Chess], rendering: Rendering, titles: list[str]
 ) -> tuple[Figure, Sequence[Axes], Sequence[agreement.PieceAgreement]]:
-    """Draw frames through prisms and below them through the ideal sheet, each with its rotation, magnification, outline."""
+    """Draw frames through prisms and, below them, through the ideal sheet, with nu, M and the outline of each piece."""
     measured = agreement.pieces(scenes)
     drawn = [scene.replace(view=VIEW, sheet=sheet) for sheet in ("detailed", "ideal") for scene in scenes]
     figure, panels = _montage(drawn, rendering, titles)
@@ -279,7 +279,7 @@ def _compared(
     for ax, scene, (nu, M) in zip(panels, drawn, said, strict=True):
         _outline(ax, scene)
         box = {"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.85}
-        write(ax, (0, 0.46 * VIEW), rf"$\nu$ = {nu:z.1f}°, $M$ = {M:.2f}", fontsize=14, bbox=box)
+        write(ax, (0, 0.435 * VIEW), rf"$\nu$ = {nu:z.1f}°, $M$ = {M:.2f}", fontsize=16, bbox=box)
     return figure, panels, measured
 
 
@@ -361,7 +361,7 @@ def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
     plane(ax, (-1.15, 2.15), (-1.1, 1.1))
     turn = np.linspace(-pi, pi, 721)
     # beside each curve's name: alpha where it stands on the curve of constant r, or r on that of constant alpha
-    for r, text, turned in ((1 / 2, "1/2", 150), (1, "$r$ = 1", 125), (2, "2", 150)):
+    for r, text, turned in ((1 / 2, "1/2", 150), (1, "$r$ = 1", 129), (2, "2", 150)):
         P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
         label(ax, equations.P(r, radians(-turned)), text, CONSTANT_R)
