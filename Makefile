@@ -131,7 +131,7 @@ ray-pictures: $(VENV)/charts-ready $(VENV)/gl-ready gl-deps  ## the pictures of 
 	$(VENV)/bin/python docs/pictures.py docs/rays.md -o docs/rays
 
 docs/rooms/room.png: docs/rooms.md $(SOURCES) | $(READY)  ## the picture of the room on that page
-	sed -n "/^cat > room.toml/,/^END/{//!p}" $< | $(POVGEN) frame - --size 640x480 -o $@
+	sed -n "/^cat > room.toml/,/^END/{//!p}" $< | $(POVGEN) frame - --size 800x600 -o $@
 
 room-pictures: $(addprefix docs/rooms/,room.png side-by-side.png tilted.png star.png box.png turns.png)  ## the pictures of docs/rooms.md
 

@@ -57,9 +57,9 @@ class Picture:
             }
             self.ax.annotate("", seen[-1] + 1e-3 * (seen[-1] - seen[-2]), seen[-2], arrowprops=look)
 
-    def write(self, point: Floats, text: str) -> None:
+    def write(self, point: Floats, text: str, size: float = 13) -> None:
         """Write a text with its middle at a point (3,)."""
-        self.ax.text(*self.seen(point), text, ha="center", va="center", fontsize=13, color=INK, path_effects=CASED)
+        self.ax.text(*self.seen(point), text, ha="center", va="center", fontsize=size, color=INK, path_effects=CASED)
 
 
 def windows(picture: Picture) -> None:
@@ -76,40 +76,51 @@ def box(picture: Picture) -> None:
     alone = picture.room.replace(window=(), object=picture.room.object[-1:])
     places = picture.room.camera.pixels(picture.size)
     knight = (picture.render(alone) != picture.render(alone.replace(object=()))).any(-1)
-    picture.ax.contour(places[0].real, places[:, 0].imag, knight, [0.5], colors="white", linestyles="dashed")
-    picture.write(np.array((-0.1, 0.7, 0)), "stands here")
-    picture.write(np.array((1.25, 0.7, 0)), "is seen here")
+    x, y = places[0].real, places[:, 0].imag
+    picture.ax.contourf(x, y, knight, [0.5, 1], colors=["#ffffff55"])
+    picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4)
+    picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed")
+    picture.write(np.array((-0.1, 0.7, 0)), "stands here", 16)
+    picture.write(np.array((2.27, -0.2, 0)), "is seen here", 16)
 
 
 def star(picture: Picture) -> None:
-    """Also draw a ray that goes round once."""
+    """Also draw a ray that goes round once, number the sheets in its order, and draw dashes along its first way."""
     windows(picture)
-    ray = picture.room.trace(Bundle((0.24, -1.3, -0.6), (-1, 0.455, 0)), path=True).corners[:10]
+    found = picture.room.trace(Bundle((0.24, -1.3, -0.6), (-1, 0.455, 0)), path=True)
+    for n, window in enumerate(found.windows[:8]):
+        picture.write(2.2 * picture.room.openings[window].pose.place + (0, 1.7, 0), str(n + 1))
+    ray = found.corners[:10]
+    for start in (ray[0], ray[-2]):
+        picture.line(np.array((start, start + 4 * (ray[1] - ray[0]))), INK, 2, "--")
     picture.line(ray, IDEAL, 3, head=True)
     picture.line(ray[:2], IDEAL, 3, head=True)
     picture.ax.plot(*picture.seen(ray[1:-1]).T, "o", color=IDEAL, markeredgecolor="white")
 
 
 def turns(picture: Picture) -> None:
-    """Draw each board before and after its turn, the axis, and the way of a corner."""
-    axes = {
-        "roll": ("z", (0, 0, 1.8), (1, -1, 0)),
-        "pitch": ("x", (1.2, 0, 0), (-1, 1, 0)),
-        "yaw": ("y", (0, 0.85, 0), (1, -1, 0)),
-    }
+    """Draw each board before and after its turn, the axis, and the angle."""
+    axes = {"roll": ("z", (0, 0, 1.8), (1.1, 0, 0)), "pitch": ("x", (1.6, 0, 0), (0, 1.1, 0))}
+    axes["yaw"] = "y", (0, 1.2, 0), (1.1, 0, 0)
     for board in picture.room.object:
-        (name, axis, corner), place = axes[board.text], board.pose.place
+        (name, axis, side), place = axes[board.text], board.pose.place
         size = np.array((*board.size, 0)) / 2
         turned = [board.replace(**{board.text: angle}).pose.axes for angle in range(46)]
-        picture.line(np.array((place - np.minimum(axis, 1), place + axis)), PRISMS, 2, head=True)
-        picture.write(place + axis + np.array((0.12, 0, 0)), name)
-        picture.line(SQUARE * size + place, "#777777", 1, "--")
+        picture.line(np.array((place - axis, place + axis)), PRISMS, 2, head=True)
+        picture.write(place + 1.15 * np.array(axis), name, 22)
+        picture.line(SQUARE * size + place, "#777777", 1.5, "--")
+        arc = np.array([side @ each + place for each in turned])
+        picture.line(np.array((arc[0], place)), "#777777", 1.5, "--")
+        picture.line(np.array((place, arc[-1])), INK, 1.5)
         picture.ax.fill(*picture.seen(SQUARE * size @ turned[-1] + place).T, facecolor=PALE, edgecolor=INK, zorder=2)
         text = TextPath((0, 0), board.text, size=1.2 * size[1], prop=FontProperties(fname=fonts.BOLD))
         flat = text.vertices - (text.vertices.max(0) + text.vertices.min(0)) / 2
         outline = picture.seen(np.pad(flat, ((0, 0), (0, 1))) @ turned[-1] + place)
         picture.ax.add_patch(PathPatch(Outline(outline, text.codes), facecolor=INK, linewidth=0, zorder=2))
-        picture.line(np.array([size * corner @ each + place for each in turned]), IDEAL, 3, head=True)
+        if name == "z":  # it comes out in front
+            picture.line(np.array((place - axis, place)), PRISMS, 2)
+        picture.line(arc, IDEAL, 3, head=True)
+        picture.write(1.25 * arc[22] - 0.25 * place, "45°", 22)
 
 
 def main() -> None:

@@ -122,14 +122,20 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed:
             values = {name: abs(size * float(getattr(sensitivities[name], field))) for name, size in sizes.items()}
             names = [f"{WHAT[name]} by {_with_unit(name, sizes[name])}" for name in ordered]
             bars = ax.barh(names, np.nan_to_num([values[name] for name in ordered]), color=PRISMS)
+            most = max(values, key=lambda name: np.nan_to_num(values[name]))
+            least = float(f"{values[most] / 100:.1g}")  # less does not matter beside the greatest
             texts = [
-                f"{values[name]:.{2 + (values[name] >= 1)}g}" if np.isfinite(values[name]) else "unknown"
-                for name in ordered
+                "unknown"
+                if np.isnan(value)
+                else f"< {least:g}"
+                if value < least
+                else np.format_float_positional(value, 2, fractional=False, trim="-")
+                for value in (values[name] for name in ordered)
             ]
             ax.bar_label(bars, texts, padding=4)
             ax.margins(x=0.15)
             ax.set_xlim(left=0)
-            ax.set(xlabel=f"{field}, {unit}", title=field.capitalize())
+            ax.set(xlabel=f"{field}, {unit}", title=f"{field.capitalize()} most: {WHAT[most]}")
             rows = values.items()
             table += [(f"{name}, {_size(name, sizes[name])}", f"{field}, {unit}", f"{x:.6g}") for name, x in rows]
     save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
@@ -150,7 +156,7 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
             for share, limit in limits.items():
                 ax.axvline(limit, linestyle="--", color="black")
                 place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "top"}
-                ax.annotate(f"{share} %: {limit:.3g}", (limit, 1), (5, 0), **place)
+                ax.annotate(f"{share} %" + f": {limit:.3g}" * (share == 50), (limit, 1), (5, 0), **place)
             missing = f"; not seen: {len(found) - len(seen)}" if len(seen) < len(found) else ""
             ax.set(xlabel=f"{field}, {unit}", ylabel=f"builds, of {len(found)}{missing}")
             most = f"95 % of the builds: {field} by at most {limits[95]:.3g} {unit}" if 95 in limits else ""
@@ -161,8 +167,11 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
             ax.grid(axis="y", alpha=0.25)
             ax.set_axisbelow(True)
             table += [(f"{field}, {unit}", f"{value:.6g}") for value in found]
-        errors = [f"{WHAT[name]}\N{NO-BREAK SPACE}{_with_unit(name, value)}" for name, value in given.items()]
-        text = fill(f"Standard deviations of the errors: {', '.join(errors)}", int(14 * figure.get_figwidth()))
+        alike: dict[str, list[str]] = {}
+        for name, value in given.items():
+            alike.setdefault(_with_unit(name, value), []).append(WHAT[name])
+        errors = [f"{size}: {', '.join(names)}" for size, names in alike.items()]
+        text = fill(f"Standard deviations of the errors: {'; '.join(errors)}", int(14 * figure.get_figwidth()))
         figure.supxlabel(text, x=0.01, ha="left", ma="left", fontsize=10)
     save_table(path.with_suffix(".csv"), ("quantity", "value"), table)
 
