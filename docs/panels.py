@@ -178,7 +178,7 @@ PANELS: dict[str, list[Panel]] = {
         ),
     ],
     "refraction": [
-        Panel(OUTLINED.replace(sheet="ideal"), "turned by 40°: 1.05 × as large", names=DIRECT),
+        Panel(OUTLINED.replace(sheet="ideal"), "light turned by 40°: 1.05 × as large", names=DIRECT),
         Panel(OUTLINED.replace(sheet="refraction", ratio=0.4), "refracted too: 0.77 × as large", names=DIRECT),
     ],
     "pieces": [
@@ -221,7 +221,7 @@ OTHERS: dict[str, list[Panel]] = {
     ],
     "pupil": [
         Panel(PUPIL, "α = 0°: sharp"),
-        Panel(PUPIL.replace(alpha=90), "α = 90°: sharp at no distance"),
+        Panel(PUPIL.replace(alpha=90), "α = 90°: no focus makes it sharp"),
         Panel(PUPIL.replace(alpha=180), "α = 180°: sharp"),
     ],
 }
