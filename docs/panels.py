@@ -202,13 +202,14 @@ OTHERS: dict[str, list[Panel]] = {
         Panel(
             WHITE.replace(sheet="lenticular", lenses=500, f_number=6),
             "lenses: blurred, coloured edges, ghosts",
-            names={"ghost": (-0.7 + 0.5j, -0.52 + 0.65j), "another ghost": (-0.55 - 0.2j, -0.55 - 0.6j)},
+            names={"ghost": (-0.7 + 0.5j, -0.52 + 0.65j), "another ghost": (0.35 - 1.15j, -0.05 - 0.95j)},
+            magnify=-0.04 - 0.085j,
             size=TALL,
         ),
         Panel(
             WHITE.replace(prisms=500),
             "prisms: sharp, only stray light coloured",
-            names={"stray light": (0.5 + 0.6j, 0.02 + 0.6j)},
+            names={"stray light, 8 × brighter": (0.28 + 0.35j, 0.06 + 0.55j)},
             brighter=8,
             aside=True,
             size=TALL,
@@ -217,7 +218,7 @@ OTHERS: dict[str, list[Panel]] = {
     "polarised": [
         Panel(POLARISED, "parallel: 34 % of designed light"),
         Panel(CROSSED, "crossed: 1.5 % of designed light"),
-        Panel(CROSSED, "crossed: mostly stray light", brighter=10),
+        Panel(CROSSED, "crossed, 10 × brighter", names={"stray light": (0.85 - 0.15j, 1.1 - 1.15j)}, brighter=10),
     ],
     "pupil": [
         Panel(PUPIL, "α = 0°: sharp"),
@@ -246,8 +247,6 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
             bright = np.where(ideal.any(-1, keepdims=True), opening, bright)
         opening[:] = bright
     image = Image.fromarray(picture)
-    if shown.brighter != 1:
-        _name(image, f"{shown.brighter} × brighter", (0.75 * width, 2 * LETTERS))
     if shown.line:
         _lines(image, [[*map(pixels, shown.line)]], ("white", 6), (ORANGE, 3))
     _lines(image, [[*map(pixels, ends)] for ends in shown.dashes], *LEADER)
