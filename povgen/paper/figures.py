@@ -22,7 +22,6 @@ from povgen.paper.shapes import (
     coordinate_axes,
     entitle,
     faces,
-    label,
     path,
     plane,
     point_at,
@@ -360,17 +359,19 @@ def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
     """Draw where P lies for constant r and for constant alpha, by eq. 7, and P for the values of the other panels."""
     plane(ax, (-1.15, 2.15), (-1.1, 1.1))
     turn = np.linspace(-pi, pi, 721)
-    # beside each curve's name: alpha where it stands on the curve of constant r, or r on that of constant alpha
-    for r, text, turned in ((1 / 2, "1/2", 150), (1, "$r$ = 1", 129), (2, "2", 150)):
+    for r, text, place in ((1 / 2, "1/2", 1.95 + 0.58j), (1, "$r$ = 1", 0.3 + 1.03j), (2, "2", -0.92 + 0.58j)):
         P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
-        label(ax, equations.P(r, radians(-turned)), text, CONSTANT_R)
+        write(ax, xy(place), text, color=CONSTANT_R, fontsize=11)
     ratio = np.geomspace(1e-3, 1e3, 721)
-    for alpha, place in ((60, 0.6), (90, 0.6), (120, 0.7)):
-        for signed in (alpha, -alpha):
+    # beside each curve's name: r where the line from it ends, and its place
+    for alpha, r, place in ((60, 0.75, 0.77 - 1.03j), (90, 0.65, 1.18 - 1.03j), (120, 0.45, 1.6 - 1.03j)):
+        for signed, at in ((alpha, place), (-alpha, place.conjugate())):
             ax.plot(*xy(equations.P(ratio, radians(signed))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
-            text = rf"$\alpha$ = {signed}°" if signed == 120 else f"{signed}°".replace("-", "−")
-            label(ax, equations.P(place, radians(signed)), text, CONSTANT_ALPHA)
+            text = rf"$\alpha$ = {signed}°" if signed == 60 else f"{signed}°".replace("-", "−")
+            look = {"arrowstyle": "-", "color": GREY, "linewidth": 0.8, "shrinkB": 0}
+            end = xy(equations.P(r, radians(signed)))
+            ax.annotate(text, end, xy(at), ha="center", va="center", color=CONSTANT_ALPHA, fontsize=11, arrowprops=look)
     ax.plot((0, 1), (0, 0), "--", color=CONSTANT_ALPHA, linewidth=1.2)
     example = complex(equations.P(of_r, of_alpha))
     for point, text, offset in ((0, "$L$", -0.13 - 0.13j), (1, "$E$", 0.13 - 0.13j), (example, "$P$", 0.13 - 0.13j)):

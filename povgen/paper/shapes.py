@@ -60,11 +60,6 @@ def arc(ax: Axes, centre: complex, radius: float, start: float, end: float, name
     write(ax, xy(centre + (radius + room) * np.exp(0.5j * (start + end))), name)
 
 
-def label(ax: Axes, place: complex, text: str, colour: str) -> None:
-    """Write a small text on a white ground."""
-    write(ax, xy(place), text, color=colour, fontsize=11, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
-
-
 def plane(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
     """Draw the axes xi and psi through the origin, with the same scale on both."""
     ax.set(xlim=x, ylim=y, aspect="equal")
