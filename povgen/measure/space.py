@@ -8,7 +8,7 @@ import numpy as np
 
 from povgen.errors import input_errors
 from povgen.files import checked_output
-from povgen.measure.plotting import GREY, IDEAL, PRISMS, AutoLocator, Axes, drawn, withStroke
+from povgen.measure.plotting import GREY, IDEAL, PRISMS, AutoLocator, Axes, drawn, name_lines, withStroke
 from povgen.objects.scene_object import SceneObject
 from povgen.optics import faces
 from povgen.optics.equations import Floats
@@ -29,7 +29,7 @@ WIDTH, HEIGHTS = 9, (3, 9)  # inches
 RAYS = (11, 8)  # from the eye, across the picture and upwards
 OBJECT = "#b58900"
 DESIGNED: Look = {"label": "designed path", "color": IDEAL}
-STRAY: Look = {"label": "other rays", "color": GREY, "linestyle": (0, (6, 3)), "alpha": 0.55}
+STRAY: Look = {"label": "other rays", "color": GREY, "linestyle": (0, (6, 3))}
 FARTHEST = 4  # what is farther from the eye than this multiple of the windows' distance is left out
 THICK = 0.8, 1.5  # of rays, points: few are thicker
 FEW = 12  # prisms across a window, whose sections can be told apart
@@ -48,17 +48,19 @@ def draw(
     elevation: float = 20,
     dpi: float | None = None,
     width: float | None = None,
+    title: str = "",
 ) -> Path:
     """Draw the scene in space with rays of light, to scale, and write it to a .png, .svg or .pdf file. Return its path.
 
     `traced` are rays whose paths were kept: `scene.trace(rays, path=True)`. Without them, they are rays from the eye
-    through a grid of points of the picture. Rays on the designed path are red, others grey and dashed. Rays that leave
-    go on to the edge of the drawing, also past objects; crosses are where others end. Names say what is an eye, a
-    window or an object, or the point from which all rays come. Of sheets with up to 12 prisms, the prisms' middle
-    sections are drawn. The drawing is seen from far away at this azimuth and elevation, degrees: -90 and 0 are a side
-    view, with z to the right, and -90 and 90 a view from above. Views along x, y or z have axes with numbers. Others
-    have an arrow along each axis. The file has `dpi` dots an inch, 50 to 1200, and is `width` millimetres wide, 40 to
-    300. Raises InputError for a file that cannot be written, for rays without paths, and without matplotlib.
+    through a grid of points of the picture. Rays on the designed path are orange, others grey and dashed. Rays that
+    leave go on to the edge of the drawing, also past objects; crosses are where others end. Names say what is a window
+    or an object, and what is the eye, or the point from which all rays come. Of sheets with up to 12 prisms, the
+    prisms' middle sections are drawn. The drawing is seen from far away at this azimuth and elevation, degrees: -90 and
+    0 are a side view, with z to the right, and -90 and 90 a view from above. Views along x, y or z have axes with
+    numbers. Others have an arrow along each axis. `title` is written above it. The file has `dpi` dots an inch, 50 to
+    1200, and is `width` millimetres wide, 40 to 300. Raises InputError for a file that cannot be written, for rays
+    without paths, and without matplotlib.
     """
     scene, target = checked_scene(scene), checked_output(output, DRAWINGS)
     printed = Print(dpi=dpi, width=width)
@@ -83,6 +85,7 @@ def draw(
     with saved_with(record_of([scene])), drawn(WIDTH, height, target, printed=printed, roomy=True) as figure:
         axes = figure.add_subplot()
         axes.set_aspect("equal", adjustable="datalim")
+        axes.set_title(title)
         for corners in sections:
             axes.fill(*(corners @ sides.T).T, facecolor=(PRISMS, 0.12), edgecolor=PRISMS, linewidth=0.8)
         for points, look in solid:
@@ -98,6 +101,7 @@ def draw(
             _number(axes, sides, ways)
         else:
             _add_arrows(axes, sides, low_high[0])
+        _name_rays(axes, rays, sides, MARGIN * size)
     return target
 
 
@@ -140,7 +144,7 @@ def _names(scene: Scene, rays: Sequence[Ray]) -> list[tuple[str, Floats, str]]:
     is_source = len(rays) > 1 and np.ptp(starts, axis=0).max() < 1e-9 < abs(starts[0] - eye).max()
     objects = [(each.name or each.called, each.edges, OBJECT) for each in _near(scene) if each.point is not None]
     windows = [(name, edge, PRISMS) for name, edge in named_windows(scene)]
-    return [("eye", eye, "black"), *[("point", starts[:1], "black")] * bool(is_source), *windows, *objects]
+    return [("point", starts[:1], "black") if is_source else ("eye", eye, "black"), *windows, *objects]
 
 
 def _write(axes: Axes, name: str, points: Floats, colour: str) -> None:
@@ -162,15 +166,21 @@ def _rays(found: Traced) -> list[Ray]:
 
 
 def _plot(axes: Axes, rays: Sequence[Ray], sides: Floats, far: float) -> None:
-    """Draw the rays, and a legend."""
+    """Draw the rays."""
     thick = float(np.clip(30 / max(len(rays), 1), *THICK))
     for ray in rays:
         end: Look = {} if ray[1].any() else {"marker": "x", "markevery": [-1], "markersize": 5}
-        axes.plot(*(_extended(ray, far) @ sides.T).T, linewidth=thick, **ray[2], **end)
-    lines, names = axes.get_legend_handles_labels()
-    once = dict(zip(names, lines, strict=True))
-    if once:
-        axes.legend(once.values(), once, frameon=True, framealpha=0.9)
+        axes.plot(*(_extended(ray, far) @ sides.T).T, linewidth=thick, **ray[2] | {"label": "_"}, **end)
+
+
+def _name_rays(axes: Axes, rays: Sequence[Ray], sides: Floats, far: float) -> None:
+    """Write what rays are beside one of each kind."""
+    found: dict[str, tuple[Floats, Look]] = {}
+    for ray in rays:
+        corners = _extended(ray, far) @ sides.T
+        n = np.linspace(0, len(corners) - 1, 20 * len(corners))
+        found[ray[2]["label"]] = np.stack([np.interp(n, range(len(corners)), each) for each in corners.T], 1), ray[2]
+    name_lines(axes, *((name, points, look["color"]) for name, (points, look) in found.items()))
 
 
 def _extended(ray: Ray, far: float) -> Floats:

@@ -122,7 +122,7 @@ def test_a_slanted_view_is_to_scale(monkeypatch, tmp_path):
     for drawn, opening in zip(lines[plotting.PRISMS], TWO.openings, strict=True):
         for flat, edge in zip(np.diff(drawn, axis=0), np.diff(opening.edge, axis=0), strict=True):
             assert np.linalg.norm(flat) == pytest.approx(np.linalg.norm(np.cross(edge, to_reader)))
-    named = {"", "x", "y", "z", "arrows: 1 tile", "eye", "window 1", "b"}
+    named = {"", "x", "y", "z", "arrows: 1 tile", "eye", "window 1", "b", "other rays", "designed path"}
     assert {text.get_text() for text in axes.texts} == named and not axes.axison
 
 
@@ -130,7 +130,7 @@ def test_a_drawing_names_what_it_shows_and_has_the_sections_of_few_prisms(monkey
     monkeypatch.chdir(tmp_path)
     scene = Chess(sheet="single", prisms=3, z1=4)
     axes, lines = drawing(monkeypatch, scene, azimuth=-90, elevation=0)
-    assert [text.get_text() for text in axes.texts] == ["eye", "sheet", "knight"]
+    assert [text.get_text() for text in axes.texts] == ["eye", "sheet", "knight", "other rays", "designed path"]
     sections = [patch.get_xy() for patch in axes.patches]
     assert len(sections) == 3 and plotting.PRISMS not in lines  # an upright line would hide the light in them
     for low, section in zip((-1.5, -0.5, 0.5), sections, strict=True):
@@ -138,7 +138,7 @@ def test_a_drawing_names_what_it_shows_and_has_the_sections_of_few_prisms(monkey
         assert section[:, 1].min() == pytest.approx(low + 0.005) and np.ptp(section[:, 1]) == pytest.approx(0.99)
     light = scene.trace(scene.pencil((0.2, 0.3, 4), 20), path=True)
     axes, lines = drawing(monkeypatch, scene, traced=light, azimuth=-90, elevation=0)
-    assert "point" in [text.get_text() for text in axes.texts]
+    assert [text.get_text() for text in axes.texts][:2] == ["point", "sheet"]  # no ray comes from the eye
     low, high = axes.get_ylim()
     assert max(abs(ray[:, 1]).max() for ray in lines[plotting.GREY]) > 100 > 6 > high - low  # stray light leaves it
     axes, lines = drawing(monkeypatch, Chess(sheet="single", prisms=13, z1=4))
