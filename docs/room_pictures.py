@@ -89,13 +89,16 @@ def star(picture: Picture) -> None:
     windows(picture)
     found = picture.room.trace(Bundle((0.24, -1.3, -0.6), (-1, 0.455, 0)), path=True)
     for n, window in enumerate(found.windows[:8]):
+        picture.ax.fill(*picture.seen(picture.room.openings[window].edge).T, color="white", alpha=0.6)
         picture.write(2.2 * picture.room.openings[window].pose.place + (0, 1.7, 0), str(n + 1))
     ray = found.corners[:10]
     for start in (ray[0], ray[-2]):
-        picture.line(np.array((start, start + 4 * (ray[1] - ray[0]))), INK, 2, "--")
+        picture.line(np.array((start, start + 3.9 * (ray[1] - ray[0]))), INK, 2, "--")
     picture.line(ray, IDEAL, 3, head=True)
     picture.line(ray[:2], IDEAL, 3, head=True)
     picture.ax.plot(*picture.seen(ray[1:-1]).T, "o", color=IDEAL, markeredgecolor="white")
+    picture.write(ray[0] + (0.3, 0, 0), "in")
+    picture.write(ray[-2] + 4.6 * (ray[1] - ray[0]) + (0, 0, 0.2), "out, parallel")
 
 
 def turns(picture: Picture) -> None:
@@ -129,7 +132,7 @@ def main() -> None:
     parser.add_argument("room", type=Path)
     parser.add_argument("-o", dest="output", type=Path, required=True)
     given = parser.parse_args()
-    name, room = given.room.stem, Room.load(given.room)
+    name, room = given.room.stem, Room.load(given.room, background=Room().background)
     with style(), saved_with(record_of([room])):
         picture = Picture(room, (1280, 400) if name == "turns" else (640, 480))
         {"box": box, "star": star, "turns": turns}.get(name, windows)(picture)
