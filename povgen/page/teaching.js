@@ -41,6 +41,7 @@ function opens(setting) {
 }
 
 // Whether the page shows a setting: its question, or its numbers, wherever the eye and the object have been dragged.
+/** @param {any} each */
 function isShown({ question, ...setting }) {
   if (question) return QUESTIONS[state.question]?.name === question;
   const values = valuesOf(new URLSearchParams(setting)), wanted = { ...OPENING, ...START[values.scene ?? "chess"], ...values };
@@ -142,12 +143,17 @@ $("teach-open").addEventListener("click", () => {
 });
 $("teach").addEventListener("click", ({ target }) => (target === $("teach") || target.closest("a")) && $("teach").close());
 addEventListener("afterprint", () => document.body.classList.remove("tasks"));
-for (const button of steppers) button.addEventListener("click", () => {
+function lead(button) {
   const { setting } = stepTo(button);
   opens(setting);
   location.hash = hashOf(setting);
+}
+for (const button of steppers) button.addEventListener("click", () => lead(button));
+// The lesson begins with its first step: at once, if nothing has been set.
+on("present", "click", () => {
+  if (SLIDES[at] && !isShown(SLIDES[at].setting)) at = -1;
+  if (at < 0 && isShown({})) lead(steppers[1]);
 });
-on("present", "click", () => SLIDES[at] && !isShown(SLIDES[at].setting) && (at = -1));  // it begins with the first step
 // A presenter's remote control sends these keys.
 document.addEventListener("keydown", (event) => {
   const way = { PageUp: 0, PageDown: 1 }[event.key];

@@ -105,6 +105,12 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.evaluate("document.getElementById('present').click()")
     page.keyboard.press("PageDown")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))
+    page.evaluate("povgen.address.fromHash('#level=expert&alpha=60'); document.getElementById('present').click()")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+–/16"))  # what has been set stays
+    page.wait_for_function("location.hash.includes('alpha=60')")
+    page.evaluate("povgen.address.fromHash('#level=expert'); document.getElementById('present').click()")
+    page.wait_for_function("povgen.state.state.sheet === 'none'")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))  # where nothing has been set, it begins
     page.get_by_role("button", name="Beenden").click()
     page.evaluate("povgen.readout.STILL.MOST = 0; povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
