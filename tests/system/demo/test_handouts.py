@@ -214,7 +214,9 @@ def test_for_a_projector_a_question_is_beside_the_picture(page):
     assert question["x"] > picture["x"] + picture["width"] - 1 and picture["width"] > 400
     page.mouse.move(300, 300)
     expect(page.locator("#pointer")).to_be_visible()
+    expect(page.locator("#pointer")).to_be_hidden(timeout=6000)  # the mouse rests
     page.evaluate("$('delete-work').showPopover()")
+    page.mouse.move(310, 300)
     for presenting in (True, False):
         page.keyboard.press("Escape")
         expect(page.locator("#pointer")).to_be_visible(visible=presenting)
