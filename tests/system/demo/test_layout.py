@@ -149,7 +149,10 @@ def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, lang
                 "(({ scrollHeight, clientHeight }) => scrollHeight - clientHeight)(document.querySelector('.panel'))"
             )
             assert hidden <= 1, size
-            page.evaluate("work.answers = {}")
+            page.evaluate("work.answers = {}; work.votes = { near: [[7, 12, 5], [15, 6, 3]] }; rewriteQuestion()")
+            page.evaluate("draw(); $('votes').hidden = false; draw()")
+            assert page.evaluate(COVERED, 1 / 40) == [], size
+            page.evaluate("work.votes = {}; $('votes').hidden = true; rewriteQuestion()")
     finally:
         page.evaluate("$('leave').click(); choose('en'); draw()")
 
