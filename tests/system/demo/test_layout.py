@@ -244,6 +244,13 @@ def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
     page.evaluate("draw()")
     assert page.locator("#space-turn").bounding_box()["height"] > 80
     expect(page.locator("#show-large")).to_be_in_viewport(ratio=1)
+    resize(page, (1280, 720))
+    page.evaluate("choose('fr'); work.answers.pole = { given: '1', first: false, shown: true }")
+    show(page, question=8, level="expert")
+    page.evaluate("draw()")
+    assert max(page.evaluate(EXCESS)) <= 1
+    resize(page, (1366, 768))
+    page.evaluate("choose('en'); openQuestion(-1); draw()")
     page.evaluate("work.answers = {}; change({ level: 'expert' }); $('tab-measure').click(); draw()")
     expect(page.locator("#move-first")).to_be_visible()
     for _ in range(4):  # rows
