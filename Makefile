@@ -92,7 +92,7 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 
 gallery: $(GALLERY) $(PANELS) docs/light/irradiance.png $(PRINTED) docs/tolerances/errors.png docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/light.md, docs/worksheet.md and docs/tolerances.md
 
-$(PRINTED): ARGUMENTS = frame chess --piece king --view 2.6 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
+$(PRINTED): ARGUMENTS = frame chess --piece king --floor none --background white --view 2.1 --look 0,0.05 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
 docs/worksheet/free.png: SHOWS = --sheet none --z1 6
 docs/worksheet/far.png: SHOWS = --sheet ideal --alpha 90 --z1 6
 docs/worksheet/near.png: SHOWS = --sheet ideal --alpha 90 --z1 2
@@ -141,7 +141,7 @@ docs/rooms/%.png: docs/rooms/%.toml docs/room_pictures.py $(SOURCES) | $(VENV)/c
 docs/rooms/%.png: povgen/page/examples/%.toml docs/room_pictures.py $(SOURCES) | $(VENV)/charts-ready $(VENV)/gl-ready gl-deps
 	$(drawn-room)
 
-docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies, and the README's row of pictures
+docs/gallery.md: docs/gallery.py $(wildcard docs/gallery/*.toml movies/*.toml) | $(READY)  ## the page of pictures and movies
 	$(VENV)/bin/python $<
 
 docs/reference.md: $(SOURCES) docs/reference.py | $(VENV)/test-ready  ## tables of options, sheets, objects, quantities and names, from the code

@@ -1,12 +1,11 @@
-"""Write docs/gallery.md and the README's row of pictures, from docs/gallery/ and movies/: `python docs/gallery.py`."""
+"""Write docs/gallery.md, from docs/gallery/ and movies/: `python docs/gallery.py`."""
 
-import re
 import tomllib
 from pathlib import Path
 from textwrap import wrap
 
 PROJECT = Path(__file__).parents[1]
-PAGE, README = PROJECT / "docs" / "gallery.md", PROJECT / "README.md"
+PAGE = PROJECT / "docs" / "gallery.md"
 WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
@@ -27,7 +26,6 @@ TAIL = """
 |command|what the movie shows|
 |---|---|
 """
-ROW = re.compile(r"(?<=\| \| \| \|\n\|---\|---\|---\|\n).*\n.*\n")  # of the README's pictures
 
 
 def pictures() -> dict[str, dict[str, str]]:
@@ -56,13 +54,5 @@ def page() -> str:
     return text + TAIL + movies()
 
 
-def readme() -> str:
-    """Return the README's text, with the pictures that have a text for it."""
-    shown = [each for each in pictures().values() if "readme" in each]
-    rows = [f"![{each['alt']}](docs/gallery/{each['file']})" for each in shown], [each["readme"] for each in shown]
-    return ROW.sub("".join(f"| {' | '.join(row)} |\n" for row in rows), README.read_text("utf-8"), count=1)
-
-
 if __name__ == "__main__":
     PAGE.write_text(page(), "utf-8")
-    README.write_text(readme(), "utf-8")

@@ -16,11 +16,12 @@ from povgen.scene.camera import window
 from povgen.settings import Rendering
 from povgen.video import encode
 from povgen.video.captions import Caption
-from povgen.video.overlay import Item, annotated, legend, strip
+from povgen.video.overlay import annotated
 from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, TEXT, text_width, write
 
-SIZE, WIDE, TALL = (480, 480), (968, 410), (520, 720)  # of a panel, of a picture with one, and of tall panels, pixels
+# of a panel, of a low and of a tall one, and of a picture with one
+SIZE, LOW, TALL, WIDE = (480, 480), (480, 384), (520, 720), (968, 410)
 VIEW = 3.5  # tiles
 PART, TIMES = 36, 5  # side of the part that is magnified, pixels, and how many times larger it is
 GAP = 8  # between two panels, pixels
@@ -52,15 +53,19 @@ class Panel(NamedTuple):
 CHESS = Chess(view=VIEW)
 FAR = CHESS.replace(alpha=90, z1=15)
 ASIDE = CHESS.replace(x=-0.6)  # from E, so that the knight hides neither E nor the curves
-LINE = Spheres(alpha=120, view=VIEW, line=(-0.7, 0.45), eye=(0.65, 0.45), z1=[6 * 2.0**n for n in range(-3, 4)])
+LINE = Spheres(
+    alpha=120, view=2.8, look=(0, 0.35), line=(-0.7, 0.45), eye=(0.65, 0.45), z1=[6 * 2.0**n for n in range(-3, 4)]
+)
 ENDS = {"near": (LINE.L - 0.42 - 0.3j,), "far": (LINE.E + 0.45 - 0.3j,)}
 # where the circle's other points are: a sphere would have to stand at a negative z1
 REST = LINE.L + (LINE.E - LINE.L) / (1 + np.exp(1j * np.radians(LINE.alpha)) / np.tan(np.linspace(-1.5, -0.07, 28)))
 ACROSS = (-1.4 + 0j, 1.4 + 0j)  # at the height of the eye
-BUILT = Chess(alpha=66, z1=10, z2=10, view=1.9)  # the middle of the window
+BUILT = Chess(alpha=66, z1=10, z2=10, aperture=2, view=2.4, background="black", floor="none")
 FINE = CHESS.replace(z1=2.5)
 PREDICTED = CHESS.replace(predicted_image=True)
+IMAGE = {"predicted image": (0.7 - 1.1j, 0.48 - 0.65j)}
 OUTLINED = CHESS.replace(alpha=40, direct_image=True)
+DIRECT = {"without sheets": (-0.93 - 1j, -0.3 - 0.63j)}
 EMPTY = {"sheet": "none", "window": "sheet=none,z=2"}
 TWO = CHESS.replace(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1))
 PUPIL = Chess(sheet="ideal", alpha=0, z1=3, pupil=0.3, view=3.3)
@@ -106,16 +111,16 @@ PANELS: dict[str, list[Panel]] = {
         Panel(FINE.replace(sheet="ideal"), "infinitely many: the ideal sheet"),
     ],
     "prediction": [
-        Panel(PREDICTED, "measured"),  # the text is that of `measured`
-        Panel(PREDICTED.replace(sheet="ideal"), "measured"),
+        Panel(PREDICTED, "measured", names=IMAGE),  # the text is that of `measured`
+        Panel(PREDICTED.replace(sheet="ideal"), "measured", names=IMAGE),
     ],
     "single": [
-        Panel(CHESS.replace(sheet="none"), "without a sheet", ACROSS),
+        Panel(CHESS.replace(sheet="none"), "without a sheet"),
         Panel(
             CHESS.replace(sheet="single"),
             "one sheet: what is far is upside down",
             ACROSS,
-            names={"mirror line": (0.9 + 0.25j, 0.9 + 0.03j)},
+            names={"mirror line": (0.9 + 0.25j, 0.9 + 0.03j), "stray light": (-0.9 - 0.62j, -0.75 - 1.05j)},
         ),
     ],
     "black-tops": [
@@ -123,8 +128,13 @@ PANELS: dict[str, list[Panel]] = {
         Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black top"),
     ],
     "ideal": [
-        Panel(ASIDE.replace(sheet="none"), "without sheets", overlay=True),
-        Panel(ASIDE.replace(sheet="ideal"), "α = 66°: foot where the curves cross", overlay=True),
+        Panel(ASIDE.replace(sheet="none"), "without sheets", names={"eye": (0.5 + 0.15j,)}, overlay=True),
+        Panel(
+            ASIDE.replace(sheet="ideal"),
+            "α = 66°: foot where the curves cross",
+            names={"all z₁": (0.75 - 0.05j, 0.11 - 0.2j), "all α": (-1.15 - 0.35j, -0.95 - 0.66j)},
+            overlay=True,
+        ),
     ],
     "real-image": [
         Panel(CHESS.replace(sheet="none"), "without sheets"),
@@ -133,7 +143,7 @@ PANELS: dict[str, list[Panel]] = {
     "imaging": [
         Panel(TWO.replace(**EMPTY), "two windows without sheets", names={"window 2": (0.3 + 0.9j, 0.3 + 1.25j)}),
         Panel(
-            TWO, "each window turns rays by α = 120°", names={"window 2": (-0.75 + 0.9j, -1.1 + 1.36j)}, side_view=True
+            TWO, "α = 120° each: upright real image", names={"window 2": (-0.75 + 0.9j, -1.1 + 1.36j)}, side_view=True
         ),
     ],
     "far": [
@@ -146,18 +156,30 @@ PANELS: dict[str, list[Panel]] = {
         ),
     ],
     "spheres": [
-        Panel(LINE.replace(sheet="none"), "without sheets: spheres on a line", names=ENDS, overlay=True),
+        Panel(
+            LINE.replace(sheet="none"),
+            "without sheets: spheres on a line",
+            names={**ENDS, "far spheres are made larger": (-0.45j,)},
+            overlay=True,
+            size=LOW,
+        ),
         Panel(
             LINE.replace(sheet="ideal"),
             "α = 120°: they appear on a circle",
             dashes=REST.reshape(-1, 2),
-            names=ENDS,
+            names={
+                **ENDS,
+                "no sphere": (0.58j,),
+                "all z₁": (-0.3 + 0.1j, -0.76 - 0.1j),
+                "predicted": (-0.3j, -0.03 - 0.66j),
+            },
             overlay=True,
+            size=LOW,
         ),
     ],
     "refraction": [
-        Panel(OUTLINED.replace(sheet="ideal"), "light turned by 40°"),
-        Panel(OUTLINED.replace(sheet="refraction", ratio=0.5), "also refracted, index ratio 0.5: smaller"),
+        Panel(OUTLINED.replace(sheet="ideal"), "turned by 40°: 1.05 × as large", names=DIRECT),
+        Panel(OUTLINED.replace(sheet="refraction", ratio=0.4), "refracted too: 0.77 × as large", names=DIRECT),
     ],
     "pieces": [
         Panel(
@@ -170,7 +192,7 @@ PANELS: dict[str, list[Panel]] = {
         Panel(
             BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
             "lenses, f/6: sharper, but with ghosts",
-            names={"ghost of the floor": (-0.4 - 0.8j, -0.7 - 0.4j)},
+            names={"ghost": (-0.72 + 0.28j, -0.62 + 0.7j), "another ghost": (-0.61 - 0.22j, -0.55 - 0.68j)},
         ),
     ],
 }
@@ -238,16 +260,8 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
     text = measured(plain) if shown.text == "measured" else shown.text
     texts = [text] if text else []
     caption = Caption(texts, texts, LETTERS / (TEXT * height))
-    return annotated(np.asarray(image), scene, _rendering(shown), caption, said=[])
-
-
-def _rendering(shown: Panel) -> Rendering:
-    return Rendering(size=shown.size, caption="short", overlay=shown.overlay)
-
-
-def _key(shown: Panel, width: int) -> Picture:
-    """Return the strip with the key of a panel's overlay, for a picture of this width."""
-    return strip([Item(text, text, colour) for text, colour in legend(shown.scene, _rendering(shown))], width, SIZE[1])
+    rendering = Rendering(size=shown.size, caption="short", overlay=shown.overlay)
+    return annotated(np.asarray(image), scene, rendering, caption, said=[])
 
 
 def _lines(image: Image.Image, lines: Sequence[Sequence[Point]], *strokes: tuple[Any, float]) -> None:
@@ -308,11 +322,9 @@ def main() -> None:
     pictures = [panel(each, look) for each in panels]
     gap = np.full((len(pictures[0]), GAP, 3), STRIP, np.uint8)
     parts = [pictures[0], *(part for picture in pictures[1:] for part in (gap, picture))]
-    joined = np.concatenate(parts, axis=1)
-    keyed = panels[-1 if panels[-1].overlay else 0]  # through sheets an overlay has more lines
-    rows = [_key(keyed, joined.shape[1]), joined]
+    rows = [np.concatenate(parts, axis=1)]
     if panels[-1].side_view:
-        rows.append(side_view(panels[-1].scene, joined.shape[1], 3 * joined.shape[1] // 5))
+        rows.append(side_view(panels[-1].scene, *(share * rows[0].shape[1] // 5 for share in (5, 3))))
     given.output.write_bytes(encode.png(np.concatenate(rows)))
 
 

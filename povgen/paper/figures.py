@@ -158,36 +158,27 @@ def mirroring(rendering: Rendering) -> Captioned:
 
 def vary_alpha(rendering: Rendering) -> Captioned:
     """Draw figure 3: frames of the alpha movie, with predicted images."""
-    scenes = [Chess(alpha=alpha, view=VIEW) for alpha in (0, 33, 66, 99, 132, 180)]
-    measured = agreement.pieces([Chess(alpha=scene.alpha) for scene in scenes])
-    titles = [f"{_at_angle(piece)}\nturned {piece.nu:z.1f}° (ideal {piece.nu_predicted:z.1f}°)" for piece in measured]
-    scenes += [scene.replace(sheet="ideal") for scene in scenes]
-    figure, panels = _montage(scenes, rendering, titles)
-    point_at(panels[0], (0.05, -1.05), "stray light", (0.85, -1.2))
-    point_at(panels[2], (0.42, -0.47), "predicted image", (0.78, -1.15), PREDICTED)
-    for ax, scene in zip(panels, scenes, strict=True):
-        _outline(ax, scene)
+    scenes = [Chess(alpha=alpha) for alpha in (0, 33, 66, 99, 132, 180)]
+    figure, panels, measured = _compared(scenes, rendering, [_at_angle(scene) for scene in scenes])
+    point_at(panels[0], (-0.15, -1.08), "stray light", (0.76, -1.27), size=14)
+    point_at(panels[2], (0.42, -0.47), "predicted image", (0.4, -1.2), PREDICTED, 14)
     return figure, {"pieces": measured}
 
 
 def vary_z1(rendering: Rendering) -> Captioned:
-    """Draw figure 4: frames of the z1 movie. An inset magnifies the piece of the last frame."""
+    """Draw figure 4: frames of the z1 movie. Insets magnify the piece of the last frames."""
     scenes = [Chess(alpha=90, z1=z1) for z1 in (1, 1.5, 3, 6, 15, 30)]
-    measured = agreement.pieces(scenes)
-    titles = [f"$z_1$ = {piece.z1:g}: turned by {piece.nu:.0f}°" for piece in measured]
-    figure, panels = _montage([scene.replace(view=VIEW) for scene in scenes], rendering, titles)
-    figure.set_figheight(5.45)
-    figure.subplots_adjust(top=0.868)
-    figure.text(0.005, 0.97, rf"{_at_angle(scenes[0])}, $z_1$ in tiles")
-    figure.text(0.345, 0.97, "outline: predicted image", color=PREDICTED, fontsize=9)
-    inset, half = panels[-1].inset_axes((0.6, 0.6, 0.39, 0.39)), 0.24
-    _draw_frames([inset], [scenes[-1].replace(view=2 * half)], rendering)
-    inset.axis("on")
-    inset.set(xticks=[], yticks=[])
-    inset.spines[:].set_visible(True)
-    panels[-1].indicate_inset((-half, -half, 2 * half, 2 * half), inset, edgecolor="black", alpha=1)
-    for ax, scene in zip([*panels, inset], [*scenes, scenes[-1]], strict=True):
-        _outline(ax, scene)
+    titles = [f"{_at_angle(scene)}, $z_1$ = {scene.distances[0]:g}" for scene in scenes]
+    figure, panels, measured = _compared(scenes, rendering, titles)
+    point_at(panels[2], (0.6, -0.48), "predicted image", (0.4, -1.2), PREDICTED, 14)
+    half = 0.24
+    for ax, scene in ((panels[n], scenes[-1].replace(sheet=sheet)) for n, sheet in ((5, "detailed"), (11, "ideal"))):
+        inset = ax.inset_axes((0.6, 0.01, 0.39, 0.39))
+        _draw_frames([inset], [scene.replace(view=2 * half)], rendering)
+        inset.axis("on")
+        inset.set(xticks=[], yticks=[])
+        ax.indicate_inset((-half, -half, 2 * half, 2 * half), inset, edgecolor="black", alpha=1)
+        _outline(inset, scene)
     return figure, {"pieces": measured, "horizon": agreement.horizon_angle(90)}
 
 
@@ -204,7 +195,7 @@ def geometry(rendering: Rendering) -> Captioned:
         (0.08, 0.48, "seen along z"),
         (0.51, 0.48, r"$P$ is where orange ($r = p_2/p_1$) crosses blue ($\alpha$)"),
     ):
-        figure.text(x, y, text, fontsize=9)
+        figure.text(x, y, text, fontsize=11)
     traced = agreement.trace_through_P(alpha, z1, z2)
     return figure, {"alpha": degrees(alpha), "traced": traced}
 
@@ -225,6 +216,8 @@ def spheres(rendering: Rendering) -> Captioned:
             ax.plot(*xy(places), "o", markersize=size, color=colour, markeredgewidth=0)
         for name, place, aside in (("L", scene.L, -0.1), ("E", scene.E, 0.15)):
             write(ax, xy(place + aside + 0.08j), f"${name}$", fontsize=12, path_effects=cased)
+    for text, place in (("near", scenes[0].L), ("far", scenes[0].E)):
+        write(panels[0], xy(place - 0.2j), text, fontsize=11, path_effects=cased)
     position = max(overlay.positions(scenes[3]), key=lambda z: z.real - z.imag)  # on the side of the text
     point_at(panels[3], xy(position), "predicted position", (-0.05, -1.17))
     curve = max(np.concatenate(overlay.loci(scenes[4])[0][0]), key=lambda z: z.real - z.imag)
@@ -259,20 +252,35 @@ def _montage(scenes: Sequence[Scene], rendering: Rendering, titles: list[str]) -
     If there are twelve scenes, the last six are drawn in a row below each of the two rows.
     """
     ideal = len(scenes) > len(titles)
-    figure = Figure(figsize=(WIDTH, 9.95 if ideal else 5.05))
+    figure = Figure(figsize=(WIDTH, 9.62 if ideal else 5.05))
     # the low row leaves room for titles
-    heights = [1, 1, 0.24, 1, 1] if ideal else [1, 1]
-    layout = {"left": 0.05 if ideal else 0.005, "right": 0.995, "top": 0.945, "bottom": 0.003}
+    heights = [1, 1, 0.17, 1, 1] if ideal else [1, 1]
+    layout = {"left": 0.05 if ideal else 0.005, "right": 0.995, "top": 0.963 if ideal else 0.945, "bottom": 0.003}
     spaces = {"hspace": 0.03 if ideal else 0.13, "wspace": 0.03, "height_ratios": heights}
     grid = figure.add_gridspec(len(heights), 3, **layout, **spaces)
     rows = [[figure.add_subplot(grid[n, k]) for k in range(3)] for n, high in enumerate(heights) if high == 1]
     panels = [ax for row in (*rows[::2], *rows[1::2]) for ax in row] if ideal else [*rows[0], *rows[1]]
     _draw_frames(panels, scenes, rendering)
     for n, title in enumerate(titles):
-        entitle(panels[n], n, title, 12 if ideal else 9)
+        entitle(panels[n], n, title, 16 if ideal else 9)
     for row, text in zip(rows if ideal else (), ("prisms", "ideal sheet") * 2, strict=ideal):
-        row[0].text(-0.07, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center", fontsize=13)
+        row[0].text(-0.07, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center", fontsize=16)
     return figure, panels
+
+
+def _compared(
+    scenes: Sequence[Chess], rendering: Rendering, titles: list[str]
+) -> tuple[Figure, Sequence[Axes], Sequence[agreement.PieceAgreement]]:
+    """Draw frames through prisms and, below them, through the ideal sheet, with nu, M and the outline of each piece."""
+    measured = agreement.pieces(scenes)
+    drawn = [scene.replace(view=VIEW, sheet=sheet) for sheet in ("detailed", "ideal") for scene in scenes]
+    figure, panels = _montage(drawn, rendering, titles)
+    said = [(each.nu, each.M) for each in measured] + [(each.nu_predicted, each.M_predicted) for each in measured]
+    for ax, scene, (nu, M) in zip(panels, drawn, said, strict=True):
+        _outline(ax, scene)
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.85}
+        write(ax, (0, 0.435 * VIEW), rf"$\nu$ = {nu:z.1f}°, $M$ = {M:.2f}", fontsize=16, bbox=box)
+    return figure, panels, measured
 
 
 def _draw_frames(panels: Sequence[Axes], scenes: Sequence[Scene], rendering: Rendering) -> None:
@@ -350,24 +358,18 @@ def _projection(ax: Axes, r: float, alpha: float) -> None:
 
 def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
     """Draw where P lies for constant r and for constant alpha, by eq. 7, and P for the values of the other panels."""
-    plane(ax, (-1.15, 2.15), (-1.45, 1.45))
+    plane(ax, (-1.15, 2.15), (-1.1, 1.1))
     turn = np.linspace(-pi, pi, 721)
     # beside each curve's name: alpha where it stands on the curve of constant r, or r on that of constant alpha
-    for r, text, turned in (
-        (1 / 4, "1/4", 150),
-        (1 / 2, "1/2", 150),
-        (1, "$r$ = 1", 139),
-        (2, "2", 150),
-        (4, "4", 150),
-    ):
+    for r, text, turned in ((1 / 2, "1/2", 150), (1, "$r$ = 1", 129), (2, "2", 150)):
         P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
         label(ax, equations.P(r, radians(-turned)), text, CONSTANT_R)
     ratio = np.geomspace(1e-3, 1e3, 721)
-    for alpha, place in ((30, 1.0), (60, 0.6), (90, 0.6), (120, 0.7), (135, 0.75)):
+    for alpha, place in ((60, 0.6), (90, 0.6), (120, 0.7)):
         for signed in (alpha, -alpha):
             ax.plot(*xy(equations.P(ratio, radians(signed))), "--", color=CONSTANT_ALPHA, linewidth=1.2)
-            text = rf"$\alpha$ = {signed}°" if signed == 135 else f"{signed}°".replace("-", "−")
+            text = rf"$\alpha$ = {signed}°" if signed == 120 else f"{signed}°".replace("-", "−")
             label(ax, equations.P(place, radians(signed)), text, CONSTANT_ALPHA)
     ax.plot((0, 1), (0, 0), "--", color=CONSTANT_ALPHA, linewidth=1.2)
     example = complex(equations.P(of_r, of_alpha))

@@ -26,20 +26,18 @@ def write(ax: Axes, place: Iterable[float], text: str, **look: Any) -> None:  # 
 
 
 def entitle(ax: Axes, number: int, title: str = "", size: float = 9) -> None:
-    """Write (a) for number 0, (b) for 1, ... at the left above a panel, a title beside it, and a second line below."""
-    first, _, second = title.partition("\n")
-    high = 4 + 1.4 * size * bool(second)  # points from the axes up to the title's first line; its last line is at 4
+    """Write (a) for number 0, (b) for 1, ... at the left above a panel, and a title beside it."""
+    high = size // 2  # points from the axes up to the title, more for larger letters, because some hang below the line
     ax.set_title(f"({chr(97 + number)})", loc="left", fontweight="bold", pad=high, fontsize=size + 1)
-    for text, place in ((first, (2.2 * size, high)), (second, (0, 4))):
-        look = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "baseline", "fontsize": size}
-        ax.annotate(text, (0, 1), place, **look)  # type: ignore[arg-type]
+    ax.annotate(title, (0, 1), (2.2 * size, high), "axes fraction", "offset points", va="baseline", fontsize=size)
 
 
-def point_at(ax: Axes, place: Place, text: str, text_place: Place, colour: str = "black") -> None:
+def point_at(ax: Axes, place: Place, text: str, text_place: Place, colour: str = "black", size: float = 9) -> None:
     """Write a text on white, with an arrow to a place in the picture under it."""
     look = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.2, "shrinkB": 0}
     box = {"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.9}
-    ax.annotate(text, place, text_place, arrowprops=look, bbox=box, color=colour, fontsize=9, ha="center", va="center")
+    drawn = ax.annotate(text, place, text_place, arrowprops=look, bbox=box, color=colour, fontsize=size)
+    drawn.set(ha="center", va="center")
 
 
 def arrow(ax: Axes, start: Place, end: Place, colour: str, width: float) -> None:
@@ -64,7 +62,7 @@ def arc(ax: Axes, centre: complex, radius: float, start: float, end: float, name
 
 def label(ax: Axes, place: complex, text: str, colour: str) -> None:
     """Write a small text on a white ground."""
-    write(ax, xy(place), text, color=colour, fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8})
+    write(ax, xy(place), text, color=colour, fontsize=11, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
 
 
 def plane(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:

@@ -32,12 +32,12 @@ IMAGE_COLOUR = (225, 0, 196, 255)  # of the predicted image
 LINE_COLOUR = R_COLOUR
 POINT_COLOUR = (238, 238, 238, 255)  # of the points L and E: object and eye, projected onto the plane z = 0
 EDGE = (*DARK, 255)  # of points
-DIRECT_COLOUR = (255, 255, 255, 255)  # of what is seen without sheets
+DIRECT_COLOUR = EDGE  # of what is seen without sheets
 # of the dots on the objects of a room: text and colour
 THROUGH, DIRECTLY = ("seen through windows", P_COLOUR), ("seen directly", POINT_COLOUR)
 OUTLINES = {  # for each name in `Scene.outlines`: its text in the legend, its colour, and the colour of its edge
-    "predicted_image": ("predicted image", IMAGE_COLOUR, HALO),
-    "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, (*DARK, 210)),
+    "predicted_image": ("predicted image", IMAGE_COLOUR, EDGE),
+    "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, HALO),
 }
 MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
 LINES = 4  # of a strip of text, at most
@@ -307,7 +307,7 @@ def _outline(scene: AxialScene, outline: str, picture: NDArray[np.uint8]) -> Non
     step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
     points = _pixels(outlines(scene, step), scene, picture)
     _, line, edge = OUTLINES[outline]
-    for radius, colour in ((0.95, edge), (0.5, line)):
+    for radius, colour in ((1.25, edge), (0.7, line)):
         _discs(picture, points, radius * thick, colour)
 
 

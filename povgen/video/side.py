@@ -108,6 +108,8 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
             eye, bend = corners[:2]
             drawing.line([bend, eye + (z - eye[2]) / (bend[2] - eye[2]) * (bend - eye)], BESIDE, 0.4)
         drawing.line(corners, colour)
+        eye, bend = FINER * drawing.pixels(corners[:2])
+        drawing.head(bend, (2 * eye + bend) / 3, 3, colour)
     for thing in things:
         drawing.thing(thing)
     title = ("from above" if drawing.shows.from_above else "from the side") + f", {farther} farther" * (farther > 0)
@@ -153,6 +155,14 @@ class Drawing:
         x, y = middle
         self.draw.ellipse([x - radius, y - radius, x + radius, y + radius], fill=colour)
 
+    def head(self, start: Floats, tip: Floats, times: float, colour: Colour) -> Floats:
+        """Draw the head of an arrow and return the middle of its base. Points are in pixels of the finer grid."""
+        length = max(float(np.linalg.norm(tip - start)), 1e-9)
+        x, y = min(times * self.thick, length / 1.6) * (tip - start) / length
+        base = tip - 1.6 * np.array([x, y])
+        self.draw.polygon([*map(tuple, (tip, base + (-y, x), base - (-y, x)))], fill=colour)
+        return base
+
     def thing(self, thing: Thing) -> None:
         """Draw a line or a mark. Images are thicker than objects, so that an object does not hide its image."""
         times = {SHEET: 1.1, IMAGE: 2}.get(thing.colour, 1)
@@ -165,10 +175,8 @@ class Drawing:
         if length <= radius:
             self.disc(place, radius + (times - 1) * self.thick, thing.colour)
         else:
-            head = min(4 * self.thick, length / 1.6) * way / length
-            across, base = np.array([-head[1], head[0]]), tip - 1.6 * head
+            base = self.head(place, tip, 4, thing.colour)
             self.draw.line([*place, *base], fill=thing.colour, width=round((1 + times) * self.thick))
-            self.draw.polygon([*map(tuple, (tip, base + across, base - across))], fill=thing.colour)
         self.solid += [self.pixels(thing.around), (place + np.linspace(0, 1, 25)[:, None] * way) / FINER]
 
     def fan(self, scene: Scene, ratio: float) -> None:

@@ -243,7 +243,7 @@ def test_the_predicted_image_lies_on_the_piece(alpha, sheet):
 )
 def test_the_direct_image_lies_on_the_piece_without_sheets(scene, distance):
     grey = np.full((HEIGHT, WIDTH, 3), 128, np.uint8)
-    line = overlay.annotated(grey, scene.replace(direct_image=True), Rendering(size=SIZE))[..., 0] > 128
+    line = overlay.annotated(grey, scene.replace(direct_image=True), Rendering(size=SIZE))[..., 0] != 128
     inside = Image.fromarray(line.astype(np.uint8)).copy()
     ImageDraw.floodfill(inside, (0, 0), 2)
     enclosed, piece = np.array(inside) == 0, brown(picture(Chess(sheet="none", z1=distance)))

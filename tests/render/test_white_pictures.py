@@ -6,7 +6,7 @@ from conftest import povgen
 
 from povgen import Chess, render
 
-SIZE = (96, 72)
+SIZE = (64, 48)
 
 
 @pytest.mark.parametrize(("renderer", "values"), [("povray", {}), ("gl", {"pupil": 0.3, "background": "transparent"})])

@@ -335,9 +335,8 @@ def test_the_room_of_the_page():
 
 
 def test_the_gallery_is_made_from_its_files():
-    """So is the README's row of pictures. The scenes of the commands are those that the site shows."""
+    """The scenes of the commands are those that the site shows."""
     assert gallery.PAGE.read_text("utf-8") == gallery.page(), "run make docs/gallery.md"
-    assert gallery.README.read_text("utf-8") == gallery.readme(), "run make docs/gallery.md"
     assert {each["file"] for each in gallery.pictures().values()} == {
         path.name for path in (PROJECT / "docs" / "gallery").iterdir() if path.suffix in (".png", ".webp")
     }

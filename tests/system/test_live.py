@@ -204,7 +204,7 @@ def test_a_slow_picture_gets_fewer_pixels_and_then_all(page):
           };
           const move = (n) => {
             view.set({ alpha: n });
-            if (n < 106 && view.scale > 0.5) requestAnimationFrame(() => move(n + 1));
+            if (n < 166 && view.scale > 0.5) requestAnimationFrame(() => move(n + 0.1));
             else rest();
           };
           move(66.5);

@@ -1,6 +1,7 @@
 """Rooms in the teaching page: from a file, an example or a link."""
 
 import numpy as np
+import pytest
 from conftest import PROJECT
 from playwright.sync_api import expect
 
@@ -96,9 +97,9 @@ def same_rays(page, room):
     return ((abs(ours["ray"] - theirs["ray"]).max(-1) < 1e-3) & (ours["shown"] == theirs["shown"]).all(-1)).mean()
 
 
+@pytest.mark.release  # what the live view draws is tested in test_live.py too
 def test_a_room_of_a_file_looks_as_povgen_draws_it(page, tmp_path):
-    """Also after a slider has moved a window, and from a link."""
-    page.evaluate("change({ alpha: 20 }), draw(), keepAddress()")
+    """Also after a slider has moved a window, and an arrow key the eye."""
     room = Room.load(choose(page, tmp_path, ROOM))
     page.wait_for_function("roomView()?.gl")
     assert same_rays(page, room) > 0.998
@@ -111,6 +112,15 @@ def test_a_room_of_a_file_looks_as_povgen_draws_it(page, tmp_path):
     x, _, z = np.array(room.camera.eye) + 0.25 * np.array(room.camera.right)
     assert same_rays(page, room.with_numbers({"tilted.yaw": 20, "eye.x": x, "eye.z": z})) > 0.998
     page.evaluate("(faces) => (data.faces = faces)", FACES)
+
+
+def test_a_room_of_a_file_is_described_printed_and_kept_in_a_link(page, tmp_path):
+    page.evaluate("change({ alpha: 20 }), draw(), keepAddress()")
+    choose(page, tmp_path, ROOM)
+    page.wait_for_function("roomView()?.gl")
+    page.locator("#rooms-window").select_option("tilted")
+    page.locator("#rooms-yaw").fill("20")
+    page.evaluate("draw()")
     said = page.locator("#rooms-says").text_content()
     assert "tilted: two sheets, α = −300.5°, turned by 20.0° and tilted by 0.0°, at (1.7, 0, 0)" in said
     assert "rook (−1.7, −1, 2)" in said and '“α "povgen"”' in said

@@ -120,7 +120,8 @@ def test_a_tone_tells_angle_and_size(page):
     page.get_by_role("button", name="More").click()
 
 
-def test_questions_are_predicted_and_revealed(page):
+@pytest.mark.parametrize("step", [3, pytest.param(1, marks=pytest.mark.release)])
+def test_questions_are_predicted_and_revealed(page, step):
     """Every other prediction is wrong. Each button that has gone leaves the focus to another."""
     page.get_by_role("tab", name="Questions").click()
     page.emulate_media(reduced_motion="reduce")
@@ -128,8 +129,9 @@ def test_questions_are_predicted_and_revealed(page):
       .filter(Boolean)"""
     questions, count = page.evaluate(f"[{asked}, QUESTIONS.length]")
     reveal, answer = page.get_by_role("button", name="Reveal"), page.locator("#answer")
+    questions = questions[::step]
     for n, (at, right, is_match, tolerance) in enumerate(questions):
-        for _ in range(at - questions[n - 1][0] if n else 0):  # past challenges
+        for _ in range(at - questions[n - 1][0] if n else 0):  # past challenges, and questions left out
             page.get_by_role("button", name="Next").click()
             assert page.evaluate("document.activeElement.id") == "ask"
         expect(page.locator("#question-count")).to_have_text(f"Question {at + 1} of {count}")
