@@ -170,6 +170,7 @@ def test_who_moves_something_takes_over(tour):
     tour.evaluate("fromHash(''); tour.start(); tour.go(1)")  # as by itself
     tour.get_by_role("button", name="More").click()
     assert tour.evaluate("[tour.step, state.sheet]") == [-1, "ideal"]  # Present can begin the lesson
+    tour.get_by_role("button", name="More").click()
 
 
 def test_a_step_waits_until_its_picture_can_be_drawn(tour):
