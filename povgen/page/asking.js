@@ -245,13 +245,21 @@ $("again").addEventListener("click", () => {
   refresh();
   $("ask").focus();
 });
-for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) {
-  $(id).addEventListener("click", () => {
-    if (state.question < 0) return;
-    openQuestion(offered()[offered().indexOf(state.question) + aside]);
-    $("ask").focus();
-  });
+
+function goTo(n) {
+  if (state.question < 0) return;
+  openQuestion(n);
+  $("ask").focus();
 }
+for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) $(id).addEventListener("click", () => goTo(offered()[offered().indexOf(state.question) + aside]));
+const list = $("question-list");
+list.addEventListener("beforetoggle", () => list.replaceChildren(...offered().map((n) => {
+  const open = () => {
+    list.hidePopover();
+    goTo(n);
+  };
+  return element("li", {}, element("button", { type: "button", textContent: ask(QUESTIONS[n]), ariaCurrent: String(n === state.question), onclick: open }));
+})));
 
 on("other-questions", "click", () => openQuestion(QUESTIONS.findIndex(({ own }) => Boolean(own) !== Boolean(QUESTIONS[state.question].own))));
 

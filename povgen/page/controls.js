@@ -17,14 +17,14 @@ import { explanation } from "./text.js";
 const linear = (least, most, step) => ({ ends: [least, most], step, from: (place) => Number(place.toPrecision(4)), to: (x) => x });
 const STEPS = 1000;
 const log = (least, most) => ({
-  ends: [0, STEPS], step: "any",
+  ends: [0, STEPS], step: 1,
   from: (place) => Number((least * (most / least) ** (place / STEPS)).toPrecision(3)),
   to: (x) => (STEPS * Math.log(x / least)) / Math.log(most / least),
 });
 // Of a number that has both signs but is not 0, the large values are in the middle: there a lens is weak.
 function reciprocal(least, most) {
   const { from, to } = log(most, least);
-  return { ends: [-STEPS, STEPS], step: "any", from: (place) => (place < 0 ? -1 : 1) * from(Math.abs(place)), to: (x) => Math.sign(x) * to(Math.abs(x)) };
+  return { ends: [-STEPS, STEPS], step: 1, from: (place) => (place < 0 ? -1 : 1) * from(Math.abs(place)), to: (x) => Math.sign(x) * to(Math.abs(x)) };
 }
 function sliderOf(name) {
   const { unit, size } = data.parameters[name], [least, most] = RANGES[name];
@@ -49,7 +49,7 @@ const valueOf = (name) => {
 const typed = (x) => (Number.isFinite(x) ? localised(String(Number(Math.abs(x) < 1000 ? x.toPrecision(4) : x.toFixed(0)))) : "∞");
 
 for (const [name, { ends: [min, max], step }] of Object.entries(SLIDERS)) {
-  const slider = Object.assign($(`slider-${name}`), { min, max, step });
+  const slider = Object.assign($(`slider-${name}`), { min, max, step: WHOLE.includes(name) ? "any" : step });  // a whole number is coarse
   slider.addEventListener("input", () => {
     given({ [name]: valueOf(name) });
     showSlider(name, moment());  // at once: a screen reader speaks it after the key

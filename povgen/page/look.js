@@ -21,7 +21,7 @@ export function present(on) {
   $("leave").hidden = $("lesson").hidden = !on;
   inTab("present", on ? "on" : "");
   if (focused && !on) $("share-open").focus();  // the button is gone
-  $("pointer").style.transform = "";  // out of sight until it moves
+  $("pointer").hidden = true;  // until it moves
   refresh();
 }
 $("present").addEventListener("click", () => {
@@ -34,8 +34,12 @@ if (inTab("present")) present(true);  // it was loaded again
 document.addEventListener("keydown", ({ key }) => {
   if (key === "Escape" && document.body.classList.contains("present") && !document.querySelector(":popover-open")) present(false);
 });
+let resting = 0;
 $("stage-box").addEventListener("pointermove", ({ clientX, clientY }) => {
   $("pointer").style.transform = `translate(${clientX}px, ${clientY}px)`;
+  $("pointer").hidden = false;
+  clearTimeout(resting);
+  resting = setTimeout(() => ($("pointer").hidden = true), 3000);  // a mouse that rests covers nothing
 });
 
 // ?embed: a frame in another page. ?hide=header,panel,said,player: what it leaves out.

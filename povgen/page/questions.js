@@ -27,17 +27,18 @@ export const QUANTITIES = {
 };
 const IN_DEGREES = ["nu", "far", "field"];
 
-// A quantity of what the page shows with these settings, or one of the settings.
-function quantityAt(name, values) {
-  if (!(name in QUANTITIES)) return values[name] ?? OPENING[name];
+// What a function finds in the moment that the page shows with these settings.
+export function found(values, find) {
   const kept = { ...state };
   Object.assign(state, values);
   try {
-    return QUANTITIES[name](moment());
+    return find(moment());
   } finally {
     Object.assign(state, kept);
   }
 }
+// A quantity of it, or one of the settings.
+const quantityAt = (name, values) => (name in QUANTITIES ? found(values, QUANTITIES[name]) : values[name] ?? OPENING[name]);
 
 // When a quantity is that of a question: before its answer, with it, from the one to the other, or without sheets.
 const free = (values) => ({ ...values, sheet: "none", windows: 1 });

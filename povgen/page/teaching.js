@@ -8,7 +8,7 @@ import { inTab, keep, work } from "./kept.js";
 import { entry, marked, quantity, say, SETTINGS, SYMBOL, unbroken } from "./language.js";
 import { moment, otherScene } from "./moment.js";
 import { drawOther, overlayImage, view } from "./picture.js";
-import { ask, choices, QUESTIONS } from "./questions.js";
+import { ask, choices, found, MOMENTS, QUESTIONS } from "./questions.js";
 import { OPENING, session, START, state } from "./state.js";
 import { isToBeFound, settingSaid } from "./text.js";
 
@@ -41,6 +41,7 @@ function opens(setting) {
 }
 
 // Whether the page shows a setting: its question, or its numbers, wherever the eye and the object have been dragged.
+/** @param {any} each */
 function isShown({ question, ...setting }) {
   if (question) return QUESTIONS[state.question]?.name === question;
   const values = valuesOf(new URLSearchParams(setting)), wanted = { ...OPENING, ...START[values.scene ?? "chess"], ...values };
@@ -99,13 +100,13 @@ function drawLessons() {
   } })));
 }
 
-// The picture for measuring, with what is drawn on it but its numbers, or that without sheets: without glasses, and as large as it is
-// printed, also where the page shows the light in its place.
-async function taskPicture(isFree) {
+// A picture without glasses, and as large as it is printed, also where the page shows the light in its place. For measuring, it has
+// what is drawn on it but its numbers.
+async function taskPicture(scene, isMeasured = false) {
   if (!view.gl || view.gl.isContextLost()) return "";
-  view.set({ ...(isFree ? otherScene(moment(), "none") : {}), eyes: 0 });
+  view.set({ ...scene, eyes: 0 });
   const canvas = still(view, 960, Math.round((960 * view.canvas.height) / view.canvas.width));
-  if (!isFree) {
+  if (isMeasured) {
     const pen = canvas.getContext("2d");
     drawOther(pen, canvas, true);
     pen.drawImage(await overlayImage(canvas, false), 0, 0);
@@ -116,19 +117,22 @@ async function taskPicture(isFree) {
 
 const blank = (label) => element("span", { className: "blank", innerHTML: marked(label) });
 
+// The first page asks, with the empty window, and the second one, which shows what the page shows, would answer.
 async function drawTasks({ steps }) {
-  const tasks = steps.flatMap(({ asks }) => asks).map(asked).map((question) => {
+  const questions = steps.flatMap(({ asks }) => asks).map(asked);
+  const tasks = questions.map((question) => {
     const boxes = (choices(question) ?? ["……"]).map((choice) => element("span", { textContent: `☐ ${choice}` }));
     return element("li", {}, element("p", { textContent: unbroken(ask(question)) }), element("p", { className: "boxes" }, ...boxes));
   });
   $("task-list").replaceChildren(...tasks);
   $("task-name").replaceChildren(blank(say("teaching.name")), blank(say("teaching.date")));
   $("task-setting").textContent = settingSaid(moment());
-  const { nu, turned = nu, sheet } = moment();
+  const now = moment(), { nu, turned = nu, sheet } = now;
   for (const part of document.querySelectorAll(".measured")) part.hidden = ["none", "single"].includes(sheet) || !Number.isFinite(turned);
   $("task-measured").replaceChildren(...["<i>ν</i> =", `${say("page.size")} =`].map(blank));
-  $("task-picture").src = await taskPicture(false);
-  $("task-free").src = await taskPicture(true);
+  $("task-picture").src = await taskPicture(now.scene, true);
+  $("task-free").src = await taskPicture(otherScene(now, "none"));
+  $("task-asks").src = await taskPicture(MOMENTS.free_start(questions[0] ?? {}, (values) => found(values, ({ scene }) => scene)));
   $("task-code").hidden = !drawCode($("task-code").firstElementChild);
   $("task-address").textContent = location.host ? page() : "";
 }
@@ -139,12 +143,17 @@ $("teach-open").addEventListener("click", () => {
 });
 $("teach").addEventListener("click", ({ target }) => (target === $("teach") || target.closest("a")) && $("teach").close());
 addEventListener("afterprint", () => document.body.classList.remove("tasks"));
-for (const button of steppers) button.addEventListener("click", () => {
+function lead(button) {
   const { setting } = stepTo(button);
   opens(setting);
   location.hash = hashOf(setting);
+}
+for (const button of steppers) button.addEventListener("click", () => lead(button));
+// The lesson begins with its first step: at once, if nothing has been set.
+on("present", "click", () => {
+  if (SLIDES[at] && !isShown(SLIDES[at].setting)) at = -1;
+  if (at < 0 && isShown({})) lead(steppers[1]);
 });
-on("present", "click", () => SLIDES[at] && !isShown(SLIDES[at].setting) && (at = -1));  // it begins with the first step
 // A presenter's remote control sends these keys.
 document.addEventListener("keydown", (event) => {
   const way = { PageUp: 0, PageDown: 1 }[event.key];

@@ -39,7 +39,7 @@ export const seen = (now) => [...(now.general ? [work(now)] : []), ...objectSeen
 function objectSeen(now) {
   const { M, nu, height, z1, z2, general, beyond, turned = nu } = now, shown = contents(now).has("thing");
   const times = (size) => timesText(size / bare(now)), single = now.sheet === "single" && !beyond;
-  if (shown && isEmpty()) return [say(beyond ? "seen.free_series" : "seen.free", { thing: thing(), times: timesText(M) })];
+  if (shown && isEmpty()) return [say(beyond ? "seen.free_series" : "seen.free", { thing: thing() })];
   if (single && !Number.isFinite(height)) return [say("seen.single_pole", { times: times(M) })];
   if (now.beside) return [say("seen.beside", { thing: thing() })];
   if (now.nearPole) return [poleSentence(now)];

@@ -144,9 +144,10 @@ on("tour-pause", "click", () => {
 });
 $("tour-leave").addEventListener("click", () => tour.leave());
 
-// Whoever moves something else takes over. A panel, also the teacher's, begins with what the page showed before, and a language moves nothing.
+// Whoever moves something else takes over. A panel, also the teacher's, begins with what the page showed before, and so do the tools if
+// nobody asked for the guided start. A language moves nothing.
 const taken = ({ target }) => {
-  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer details")) tour.leave(!target.closest?.("[role=tab], #teach-open"), Boolean(target.closest?.("#space-box")));
+  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer details")) tour.leave(!target.closest?.(`[role=tab], #teach-open${tour.asked ? "" : ", #share-open"}`), Boolean(target.closest?.("#space-box")));
 };
 for (const event of ["input", "change"]) document.addEventListener(event, taken, true);
 // What is pressed is where it was until it is released: without the guided start, parts of the page have other places.

@@ -60,6 +60,14 @@ def test_every_other_python(version, tmp_path):
     works(installed(tmp_path / "venv", PYTHONS[version], PROJECT), tmp_path)
 
 
+def test_the_site_needs_no_other_packages_than_its_own(tmp_path):
+    povgen = installed(tmp_path / "venv", sys.executable, f"{PROJECT}[docs]")
+    subprocess.run(
+        [povgen.with_name("python"), PROJECT / "docs" / "website.py", tmp_path / "site"], check=True, timeout=200
+    )
+    assert (tmp_path / "site" / "docs" / "worksheet.html").exists()
+
+
 CLUSTER = """
 import subprocess, sys
 from distributed import LocalCluster

@@ -105,6 +105,12 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.evaluate("document.getElementById('present').click()")
     page.keyboard.press("PageDown")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))
+    page.evaluate("povgen.address.fromHash('#level=expert&alpha=60'); document.getElementById('present').click()")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+–/16"))  # what has been set stays
+    page.wait_for_function("location.hash.includes('alpha=60')")
+    page.evaluate("povgen.address.fromHash('#level=expert'); document.getElementById('present').click()")
+    page.wait_for_function("povgen.state.state.sheet === 'none'")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))  # where nothing has been set, it begins
     page.get_by_role("button", name="Beenden").click()
     page.evaluate("povgen.readout.STILL.MOST = 0; povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
@@ -121,12 +127,17 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.emulate_media(media="print")
     assert page.locator("#tasks li").count() == 4 and page.locator("main").is_hidden()
     assert page.locator("#task-setting").inner_text().startswith("Ein Springer, gesehen durch: ")
-    [code, picture, name, title] = bounds(page, "#task-code svg", "#task-picture", "#task-name", "#tasks h1")
+    parts = ("#task-code svg", "#task-picture", "#task-name", "#tasks h1", "#task-asks", "#task-list", "#task-back")
+    [code, picture, name, title, asking, asked, back] = bounds(page, *parts)
+    assert asking["bottom"] < asked["top"] < back["top"] < picture["top"]  # what answers is on another page
+    assert page.locator("#task-back").evaluate("(back) => getComputedStyle(back).breakBefore") == "page"
     assert code["width"] > 100 and picture["width"] > 300 and name["width"] > 300 and title["height"] < 40
-    shown, free = (
-        pixels(base64.b64decode(page.evaluate(f"document.getElementById('task-{name}').src.split(',')[1]")))
-        for name in ("picture", "free")
-    )
+
+    def task(name):
+        address = page.evaluate(f"document.getElementById('task-{name}').src")
+        return pixels(base64.b64decode(address.split(",")[1]))
+
+    shown, free = task("picture"), task("free")
     [other] = bounds(page, "#task-free")
     assert other["width"] == pytest.approx(picture["width"], abs=1)  # on the same scale, for comparison
     assert shown.shape == free.shape and abs(shown - free).mean() > 5
@@ -139,12 +150,13 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.locator("#tasks").is_hidden()
     page.emulate_media(media="screen")
-    page.evaluate("povgen.state.change({ sheet: 'single' }); window.printed = false")
+    page.evaluate("povgen.state.change({ sheet: 'single', z1: 12, scene: 'spheres' }); window.printed = false")
     page.get_by_role("button", name="Für Lehrkräfte").click()
     panel.get_by_role("button", name="Aufgabenblatt drucken").click()
     page.wait_for_function("window.printed")
     page.emulate_media(media="print")
     assert page.locator(".measured:visible").count() == 0  # it has no angle
+    assert abs(task("asks") - free).mean() < 1 < abs(task("free") - free).mean()  # it asks, whatever the page shows
     page.close()
 
 
@@ -202,7 +214,9 @@ def test_for_a_projector_a_question_is_beside_the_picture(page):
     assert question["x"] > picture["x"] + picture["width"] - 1 and picture["width"] > 400
     page.mouse.move(300, 300)
     expect(page.locator("#pointer")).to_be_visible()
+    expect(page.locator("#pointer")).to_be_hidden(timeout=6000)  # the mouse rests
     page.evaluate("$('delete-work').showPopover()")
+    page.mouse.move(310, 300)
     for presenting in (True, False):
         page.keyboard.press("Escape")
         expect(page.locator("#pointer")).to_be_visible(visible=presenting)

@@ -63,6 +63,8 @@ def test_the_focus_stays_where_something_opens_or_moves(page):
     page.locator("#level").press("Tab")
     expect(page.locator("#prediction input").first).to_be_focused()
     page.locator("#reveal").press("Tab")
+    expect(page.locator("#question-count")).to_be_focused()
+    page.keyboard.press("Tab")
     expect(page.locator("#next")).to_be_focused()  # the first question has none before it
     expect(page.locator("#prediction")).to_have_accessible_name(page.locator("#ask").text_content())
 

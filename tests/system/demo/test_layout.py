@@ -111,7 +111,7 @@ def test_each_control_is_in_sight_on_top_and_large_enough(page, size):
     page.evaluate("$('put-on').click(); draw(); $('write-down').click(); draw()")
     assert page.evaluate(FAULTS) == []
     page.evaluate("rows.splice(0); session.measuring = false")
-    page.evaluate("$('share-open').click(); $('present').click()")
+    page.evaluate("change({ alpha: 60 }); $('share-open').click(); $('present').click()")  # without the lesson
     stage = page.locator("#stage").bounding_box()
     page.evaluate("$('leave').click()")
     assert stage["width"] >= min(0.9 * width, 0.75 * height)
@@ -121,7 +121,7 @@ def test_each_control_is_in_sight_on_top_and_large_enough(page, size):
 @pytest.mark.parametrize("language", some(LANGUAGES, 1))
 def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, language):
     """With the slider that matters for the sheet, and the buttons that choose it."""
-    page.evaluate("$('share-open').click(); $('present').click()")
+    page.evaluate("change({ alpha: 60 }); $('share-open').click(); $('present').click()")  # without the lesson
     assert page.evaluate("document.activeElement.id") == "lesson-next"  # a space does not end it
     try:
         for size in ((1024, 768), (1280, 720), (1920, 1080)):
@@ -149,7 +149,10 @@ def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, lang
                 "(({ scrollHeight, clientHeight }) => scrollHeight - clientHeight)(document.querySelector('.panel'))"
             )
             assert hidden <= 1, size
-            page.evaluate("work.answers = {}")
+            page.evaluate("work.answers = {}; work.votes = { near: [[7, 12, 5], [15, 6, 3]] }; rewriteQuestion()")
+            page.evaluate("draw(); $('votes').hidden = false; draw()")
+            assert page.evaluate(COVERED, 1 / 40) == [], size
+            page.evaluate("work.votes = {}; $('votes').hidden = true; rewriteQuestion()")
     finally:
         page.evaluate("$('leave').click(); choose('en'); draw()")
 
@@ -241,6 +244,13 @@ def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
     page.evaluate("draw()")
     assert page.locator("#space-turn").bounding_box()["height"] > 80
     expect(page.locator("#show-large")).to_be_in_viewport(ratio=1)
+    resize(page, (1280, 720))
+    page.evaluate("choose('fr'); work.answers.pole = { given: '1', first: false, shown: true }")
+    show(page, question=8, level="expert")
+    page.evaluate("draw()")
+    assert max(page.evaluate(EXCESS)) <= 1
+    resize(page, (1366, 768))
+    page.evaluate("choose('en'); openQuestion(-1); draw()")
     page.evaluate("work.answers = {}; change({ level: 'expert' }); $('tab-measure').click(); draw()")
     expect(page.locator("#move-first")).to_be_visible()
     for _ in range(4):  # rows

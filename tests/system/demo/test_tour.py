@@ -167,6 +167,10 @@ def test_who_moves_something_takes_over(tour):
     assert tour.evaluate("[tour.step, state.large, state.light, state.stray]") == [-1, True, "prism", True]
     tour.evaluate("draw()")
     expect(tour.locator("#sentence")).to_be_visible()
+    tour.evaluate("fromHash(''); tour.start(); tour.go(1)")  # as by itself
+    tour.get_by_role("button", name="More").click()
+    assert tour.evaluate("[tour.step, state.sheet]") == [-1, "ideal"]  # Present can begin the lesson
+    tour.get_by_role("button", name="More").click()
 
 
 def test_a_step_waits_until_its_picture_can_be_drawn(tour):

@@ -50,6 +50,7 @@ def test_a_quantity_is_marked_in_picture_diagram_and_sketch(page, name):
     row = page.locator(f"[data-quantity={name}]")
     where = {"L": "#space", "E": "#space", "z1": "#space", "z2": "#space"}.get(name, "#overlay")
     marked = [page.locator(f"{drawing} .marked") for drawing in (where, "#overlay", "#diagram")]
+    page.mouse.move(0, 0)  # the test before may have left it on a quantity
     expect(marked[0]).to_have_count(0)
     row.hover()
     for found in marked:
@@ -179,6 +180,19 @@ def test_a_challenge_is_done_when_the_settings_rest_where_its_goal_is(page):
     page.get_by_role("button", name="Reveal").click()
     expect(answer).to_contain_text("This is one way.")
     expect(page.locator("#sentence")).to_contain_text(" 4.00 times as large")  # the solution fulfils the goal
+    page.get_by_role("button", name="Try again").click()
+    page.evaluate("openQuestion(0); draw()")
+    page.locator("#question-count").click()
+    expect(page.locator("#question-list button")).to_have_count(15)
+    page.get_by_role("button", name="Challenge: where must your eye be").click()
+    expect(page.locator("#ask")).to_be_focused()
+    page.evaluate("draw()")
+    eye = page.locator("#slider-z2")
+    for _ in range(5):
+        eye.press("ArrowLeft")
+    assert 5.8 < page.evaluate("state.z2") < 5.9  # finely
+    eye.press("PageDown")
+    expect(answer).to_contain_text("Done.")
 
 
 def test_a_picture_is_matched_by_sliders(page):
