@@ -137,7 +137,8 @@ def test_a_drawing_names_what_it_shows_and_has_the_sections_of_few_prisms(monkey
         assert np.ptp(section[:, 0]) == pytest.approx(scene.prism.length)
         assert section[:, 1].min() == pytest.approx(low + 0.005) and np.ptp(section[:, 1]) == pytest.approx(0.99)
     light = scene.trace(scene.pencil((0.2, 0.3, 4), 20), path=True)
-    axes, lines = drawing(monkeypatch, scene, traced=light, azimuth=-90, elevation=0)
+    axes, lines = drawing(monkeypatch, scene, traced=light, azimuth=-90, elevation=0, title="Stray light")
+    assert "Stray light" in (axes.get_title("left"), axes.get_title())
     assert [text.get_text() for text in axes.texts][:2] == ["point", "sheet"]  # no ray comes from the eye
     low, high = axes.get_ylim()
     assert max(abs(ray[:, 1]).max() for ray in lines[plotting.GREY]) > 100 > 6 > high - low  # stray light leaves it
