@@ -14,13 +14,13 @@ ADDRESS = "#sheet=ideal&alpha=66&show=position,image"
 
 
 def main() -> None:
-    """Draw the page with the predictions, in a small window, so that its letters are large: 1280x800."""
+    """Draw the page with the predictions, in the smallest window that shows all, for large letters: 1280x800."""
     parser = ArgumentParser()
     parser.add_argument("-o", dest="output", required=True)
     output = parser.parse_args().output
     with TemporaryDirectory() as folder, chromium() as browser:
         made = demo(Path(folder) / "demo.html", progress=False)
-        page = browser.new_page(viewport={"width": 960, "height": 600}, device_scale_factor=4 / 3)
+        page = browser.new_page(viewport={"width": 904, "height": 565}, device_scale_factor=800 / 565)
         page.goto(made.as_uri() + ADDRESS)
         page.wait_for_function("povgen.picture.view.converged()", timeout=300_000)
         page.evaluate("document.getElementById('hint').hidden = true")

@@ -216,8 +216,8 @@ OTHERS: dict[str, list[Panel]] = {
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "parallel: 34 % of designed light"),
-        Panel(CROSSED, "crossed: 1.5 % of designed light"),
+        Panel(POLARISED, "parallel polarisers: 34 % passes"),
+        Panel(CROSSED, "crossed polarisers: 1.5 %, and stray light"),
         Panel(CROSSED, "crossed, 10 × brighter", names={"stray light": (0.85 - 0.15j, 1.1 - 1.15j)}, brighter=10),
     ],
     "pupil": [

@@ -85,20 +85,21 @@ def box(picture: Picture) -> None:
 
 
 def star(picture: Picture) -> None:
-    """Also draw a ray that goes round once, number the sheets in its order, and draw dashes along its first way."""
+    """Also draw a ray that goes round once, number the sheets in its order, and extend both ends."""
     windows(picture)
-    found = picture.room.trace(Bundle((0.24, -1.3, -0.6), (-1, 0.455, 0)), path=True)
+    found = picture.room.trace(Bundle((0.385, -1.69, -0.95), (-1, 0.455, 0)), path=True)
     for n, window in enumerate(found.windows[:8]):
         picture.ax.fill(*picture.seen(picture.room.openings[window].edge).T, color="white", alpha=0.6)
         picture.write(2.2 * picture.room.openings[window].pose.place + (0, 1.7, 0), str(n + 1))
     ray = found.corners[:10]
-    for start in (ray[0], ray[-2]):
-        picture.line(np.array((start, start + 3.9 * (ray[1] - ray[0]))), INK, 2, "--")
+    for start, name in ((ray[0], "in, extended"), (ray[-2], "out, parallel")):
+        end = start + 2.1 * (ray[1] - ray[0])
+        picture.line(np.array((start, end)), INK, 2, "--")
+        picture.write(end - (0.6, 0, 0), name)
+    picture.write(ray[0] + (0.25, 0, 0), "in")
     picture.line(ray, IDEAL, 3, head=True)
     picture.line(ray[:2], IDEAL, 3, head=True)
     picture.ax.plot(*picture.seen(ray[1:-1]).T, "o", color=IDEAL, markeredgecolor="white")
-    picture.write(ray[0] + (0.3, 0, 0), "in")
-    picture.write(ray[-2] + 4.6 * (ray[1] - ray[0]) + (0, 0, 0.2), "out, parallel")
 
 
 def turns(picture: Picture) -> None:

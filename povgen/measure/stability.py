@@ -40,7 +40,7 @@ MAPS = {made.name: made for made in (  # without rows
         "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + 0.011, "xy", is_estimate=True,  # 0.011 px: the resolution of positions in 16 bits
         finding="(f) Eye off the axis: the error is at most 1.2 times what povgen states",
-        band=("right", limits.MAX_CAMERA_ERROR, "povgen takes smaller cells"),
+        band=("right", limits.MAX_CAMERA_ERROR, "cells are made smaller, down to 1/100 of the window"),
         groups=("z2 = 6", "z2 = 20", "z2 = 60", "z2 = 2", "z2 = 1"),
     ),
     StabilityMap(

@@ -172,4 +172,8 @@ def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple
             x = measured.crossing(name, rising=True)
             ax.plot(x, measured.tolerance, "o", color=COLOURS[n], markersize=13, fillstyle="none")
             others.append((f"{float(f'{x:.2g}'):g}", [(x, measured.tolerance)], COLOURS[n]))
+    if measured.is_estimate:
+        ax.legend(frameon=True, fontsize=11)  # a sign beside a name would look like a point
+        for each in ax.lines:
+            each.set_label("_")
     return [*others, (measured.dot, dots, "black")] if dots else others
