@@ -1,5 +1,6 @@
 """The base class of scenes and settings. It checks values, writes the one-line error, and fills help()."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -191,7 +192,11 @@ def _message(model: type[BaseModel], values: Mapping[str, object], fault: ErrorD
         near = get_close_matches(name[:50], model.model_fields, 1, 0.7)
         allowed = f"did you mean {near[0]}?" if near else f"allowed: {', '.join(model.model_fields)}"
         return f"{shown(name)}: unknown{where}; {allowed}"
-    about = model.model_fields[name].description
+    about = model.model_fields[name].description or ""
+    if fault["type"] == "literal_error" and len(fault["loc"]) == 1:
+        choices = re.findall("'([^']+)'", fault["ctx"]["expected"])
+        if choices and all(choice in about for choice in choices):
+            message = "unknown"  # the description lists the choices
     if name not in values:
         return f"{name}: missing ({about})"
     several = any(isinstance(part, int) for part in fault["loc"][1:]) and fault["input"] is not values[name]
