@@ -114,8 +114,11 @@ for (const name of Object.keys(points)) {
   const button = $(`point-${name}`);
   onDrag(button, (event) => {
     event.stopPropagation();  // it is not the picture that is dragged
-    const from = points[name];
-    return (way) => move(name, plus(from, scaled(1 / tilePixels(), way)));
+    const from = points[name], before = [placed, written];
+    return (way) => {
+      move(name, plus(from, scaled(1 / tilePixels(), way)));
+      if (!abs(way)) [placed, written] = before;  // it is back where it was
+    };
   });
   onArrows(button, (step, { shiftKey }) => move(name, plus(points[name], scaled(shiftKey ? 0.1 : 0.01, step))));
 }
