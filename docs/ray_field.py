@@ -4,16 +4,14 @@ The directions of light before a sheet have a curl, so that light has no wave fr
 the panel about prisms in metres and micrometres.
 """
 
-from collections.abc import Callable
 from math import pi, radians
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from lines import save_lines
 from numpy.typing import NDArray
 
-from povgen.measure.plotting import GREY, IDEAL, PRISMS, Axes, drawn
+from povgen.measure.plotting import COLOURS, GREY, IDEAL, PRISMS, Axes, drawn, name_lines
 from povgen.optics import equations
 from povgen.optics.rays import Traced
 from povgen.scene.scene import Scene
@@ -21,7 +19,9 @@ from povgen.scene.scenes import Chess
 
 ALPHA, Z1 = 66, 2.0  # degrees, tiles
 PITCH, DISTANCE, RADIUS = 1e-3, 1.0, 5e-3  # of real prisms: their pitch, the object's distance, a circle; metres
-DRAWN_RADII = {0.2: (8, "--"), 0.6: (18, "-")}  # circles on the sheet, tiles: how many rays are drawn, and dashes
+START = 1.0  # of paths, tiles before the sheet
+# circles, tiles: how many rays are drawn, dashes, colour, and where their name is
+CIRCLES = {0.2: (8, "--", COLOURS[3], -0.33), 0.6: (18, "-", IDEAL, 0.53)}
 
 Floats = NDArray[np.float64]
 
@@ -60,33 +60,22 @@ def traced_curl(light: Traced, z2: float) -> float:
     return 2 * float(along.imag)
 
 
-def walked(start: Floats | float, steps: Floats, rate: Callable[[Floats, float], Floats]) -> Floats:
-    """Integrate dw/dstep = rate(w, step) by the midpoint method. Return w at each of the places `steps`: (steps, ...).
+def wave_front(radius: float, turns: Floats) -> Floats:
+    """Return how far before the ideal sheet a path round the axis is that is perpendicular to the rays, in tiles.
 
-    `start` is w at the first place: a number or, for several paths, an array.
+    It begins START tiles before the sheet, and follows a circle of this radius, tiles, through the angles `turns`,
+    radians. At the place r, a complex number, the path is w tiles before the sheet, and light has the slope s = r/Z
+    towards the eye. A step of the path is perpendicular to this light if dw = -Re(conj(s) dr). The midpoint method
+    integrates it.
     """
-    w = [np.asarray(start, float)]
-    for here, step in zip(steps, np.diff(steps), strict=False):
-        middle = w[-1] + rate(w[-1], here) * step / 2
-        w.append(w[-1] + rate(middle, here + step / 2) * step)
+
+    def rate(w: float) -> float:
+        return -(radius**2) * complex(1 / equations.depth(Z1, w, radians(ALPHA))).imag
+
+    w = [START]
+    for step in np.diff(turns):
+        w.append(w[-1] + rate(w[-1] + rate(w[-1]) * step / 2) * step)
     return np.array(w)
-
-
-def wave_front(radii: Floats, turns: Floats, start: float) -> Floats:
-    """Return how far before the ideal sheet a surface perpendicular to the rays is, in tiles: (turns, radii).
-
-    The surface begins on the axis, `start` tiles before the sheet. It is followed along the direction of angle 0
-    through the distances `radii` from the axis, tiles. From each of these places it is followed round the axis through
-    the angles `turns`, radians. Both begin with 0. At the place r, a complex number, the surface is w tiles before the
-    sheet, and light has the slope s = r/Z towards the eye. A step of the surface is perpendicular to this light if
-    dw = -Re(conj(s) dr).
-    """
-
-    def inverse(w: Floats) -> Any:
-        return 1 / equations.depth(Z1, w, radians(ALPHA))
-
-    along = walked(start, radii, lambda w, r: -r * inverse(w).real)
-    return walked(along, turns, lambda w, _: -(radii**2) * inverse(w).imag)
 
 
 def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
@@ -104,40 +93,38 @@ def path_through_prisms(Q: NDArray[np.complex128]) -> Floats:
 
 def draw_rays(ax: Axes) -> None:
     """Draw, as the eye sees it, where light from a point goes before the ideal sheet: from 0 to 1.5 tiles before it."""
-    for (radius, (count, dashes)), below in zip(DRAWN_RADII.items(), (-0.37, -0.56), strict=True):
-        ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), dashes, color=GREY)
+    for radius, (count, dashes, colour, y) in CIRCLES.items():
+        ax.plot(*(radius * np.array([f(np.linspace(0, 2 * pi, 100)) for f in (np.cos, np.sin)])), dashes, color=colour)
         at_sheet = radius * np.exp(2j * pi * np.arange(count) / count)
         before = at_sheet * (1 + 1.5 / equations.depth(Z1, 0, radians(ALPHA)))
-        ax.text(0, below, f"radius {radius:g}", color=GREY, ha="center", va="bottom")
+        ax.text(0, y, f"radius {radius:g}", color=colour, ha="center", va="center")
         for P, Q in zip(at_sheet, before, strict=True):
-            ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops={"arrowstyle": "-|>", "color": IDEAL})
+            look = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0}
+            ax.annotate("", (Q.real, Q.imag), (P.real, P.imag), arrowprops=look)
     ax.plot(0, 0, "o", color="black", markersize=9)
-    text = f"as the eye sees it; black: the point, {Z1:g} tiles behind the sheet\n"
-    text += "arrows: from the sheet to 1.5 tiles before it"
-    ax.text(0, -1.25, text, ha="center", va="bottom")
-    ax.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25), aspect="equal", xlabel="x, tiles", ylabel="y, tiles")
-    ax.set_title(f"Light of a point runs round its axis (ideal sheet, α = {ALPHA}°)", fontsize=11)
+    text = f"ideal sheet, α = {ALPHA}°, as the eye sees it; arrows: from the sheet\n"
+    text += f"to 1.5 tiles before it; black: the point, {Z1:g} tiles behind it"
+    ax.annotate(text, (0.5, 0), (0, -45), "axes fraction", "offset points", ha="center", va="top")
+    ticks = (-1, -0.5, 0, 0.5, 1)
+    ax.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xlabel="x, tiles", ylabel="y, tiles", xticks=ticks, yticks=ticks)
+    ax.set_title("Light of a point runs round its axis")
 
 
 def draw_wave_front(ax: Axes) -> None:
     """Draw paths round the axis that are perpendicular to the rays: after a turn they are not where they began."""
-    turns, radii = np.linspace(0, 2 * pi, 97), np.array([0, 0.2, 0.4, 0.6])
-    heights = wave_front(radii, turns, 1.0)
-    for radius, height in zip(radii, heights.T, strict=True):
-        if radius not in DRAWN_RADII:
-            continue
-        nearer = height[0] - height
-        look = {"ls": DRAWN_RADII[radius][1], "color": IDEAL, "linewidth": 2}
-        ax.plot(np.degrees(turns), nearer, **look, label=f"radius {radius:g} tiles")
-        ax.text(364, nearer[-1], f"radius {radius:g} tiles:\n{nearer[-1]:.2f} after a turn", color=IDEAL, va="center")
-    ax.text(10, 0.74, "A wave front is perpendicular to its rays.\nIt would end where it began: at 0.", color=GREY)
-    ax.set(
-        xlabel="angle on the circle, degrees",
-        ylabel="nearer to the sheet by (tiles)",
-        xlim=(0, 360),
-    )
-    ax.set_ylim(bottom=0)
-    ax.set_title("No wave front: a path perpendicular to the rays does not close", fontsize=11)
+    turns = np.linspace(0, 2 * pi, 97)
+    for x, (radius, (_, dashes, colour, _)) in zip((365, 374), CIRCLES.items(), strict=True):
+        w = wave_front(radius, turns)
+        label = f"radius {radius:g} tiles: {START - w[-1]:.2f}\nnearer after a turn"
+        ax.plot(np.degrees(turns), w, dashes, color=colour, linewidth=2, label=label)
+        look = {"arrowstyle": "<->", "color": colour, "shrinkA": 0, "shrinkB": 0}
+        ax.annotate("", (x, w[-1]), (x, START), arrowprops=look)
+    ax.axhline(START, color=GREY, linestyle=":")
+    ax.text(180, 1.02, "a wave front would come back to where it began", color=GREY, ha="center", va="bottom")
+    ax.set(xlabel="angle on the circle, degrees", ylabel="distance from the sheet (tiles)")
+    ax.set(xlim=(0, 379), ylim=(0, 1.1), xticks=range(0, 361, 60))
+    ax.set_title("No wave front: a path perpendicular to rays does not close")
+    name_lines(ax)
 
 
 def draw_pieces(ax: Axes) -> None:

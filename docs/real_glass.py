@@ -69,7 +69,7 @@ def draw_blur(ax: Axes) -> None:
     ax.text(0.033, 0.93, "what an eye resolves", color=GREY, va="top")
     # along the two straight parts of the curves, which fall and rise at about 45 degrees
     ax.text(0.075, 2.6, "diffraction", color=GREY, ha="center", va="center", rotation=-45)
-    ax.text(4.6, 2.2, "size of prisms", color=GREY, ha="center", va="center", rotation=45)
+    ax.text(1.5, 5.4, "size of prisms", color=GREY, ha="center", va="center", rotation=45)
     ax.set(xlabel="pitch, mm", ylabel="RMS blur, minutes of arc", ylim=(0.3, 30), xlim=(0.03, 10))
     plain_ticks(ax.xaxis, (1,))
     plain_ticks(ax.yaxis)

@@ -128,12 +128,11 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed:
             names = [f"{WHAT[name]} by {_with_unit(name, sizes[name])}" for name in ordered]
             bars = ax.barh(names, np.nan_to_num([values[name] for name in ordered]), color=PRISMS)
             most = max(values, key=lambda name: np.nan_to_num(values[name]))
-            least = float(f"{values[most] / 100:.1g}")  # less does not matter beside the greatest
             texts = [
                 "unknown"
                 if np.isnan(value)
-                else f"< {least:g}"
-                if value < least
+                else "< 0.0001"
+                if value < 0.0001
                 else np.format_float_positional(value, 2, fractional=False, trim="-")
                 for value in (values[name] for name in ordered)
             ]
@@ -156,12 +155,12 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
         for ax, (field, unit) in zip(figure.subplots(1, 2), EFFECTS.items(), strict=True):
             found = getattr(builds, field)
             seen = found[np.isfinite(found)]
-            ax.hist(seen, bins=20, color=PRISMS, edgecolor="white")
+            ax.hist(seen, bins=20, color="#85afd2", edgecolor="white")  # dark lines stand out
             limits = {share: limit for share in (50, 95) if np.isfinite(limit := percentile(found, share))}
             for share, limit in limits.items():
                 ax.axvline(limit, linestyle="--", color="black")
                 place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "top"}
-                ax.annotate(f"{share} %" + f": {limit:.3g}" * (share == 50), (limit, 1), (5, 0), **place)
+                ax.annotate(f"{share} %: {limit:.3g}", (limit, 1), (5, 0), **place)
             missing = f"; not seen: {len(found) - len(seen)}" if len(seen) < len(found) else ""
             ax.set(xlabel=f"{field}, {unit}", ylabel=f"builds, of {len(found)}{missing}")
             most = f"95 % of the builds: {field} by at most {limits[95]:.3g} {unit}" if 95 in limits else ""

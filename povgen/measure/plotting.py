@@ -44,7 +44,8 @@ GREY = "#5c5c5c"
 LEGIBLE = 7  # points on paper, of most text
 COLOURS = [PRISMS, IDEAL, "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
 MARKS = "os^Dv*PX"  # one beside each colour, for eyes that do not tell the colours apart
-PAPER = 214  # of 255: grids and bands are lighter, and names may be upon them
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+PAPER = 200  # of 255: grids and bands are lighter, and names may be upon them
 STEPS = 0, 0.5, -0.5, 1, -1  # aside of what is named, in halves of the name
 CLEAR = 40  # pixels between a name and another line, if there is room
 STYLE: dict[Any, Any] = {  # Any, because matplotlib's own type for this lists every setting by name
@@ -93,8 +94,16 @@ def drawn(
 def plain_ticks(axis: Axis, subs: tuple[float, ...] = (1, 2, 5)) -> None:
     """Write the numbers of a logarithmic axis as 0.2 instead of 2 x 10^-1. Ticks are at `subs` times powers of ten."""
     axis.set_major_locator(LogLocator(subs=subs))
-    axis.set_major_formatter(lambda x, _: np.format_float_positional(x, 3, fractional=False, trim="-"))
+    axis.set_major_formatter(lambda x, _: _plain(x))
     axis.set_minor_formatter("")
+
+
+def _plain(x: float) -> str:
+    """Return a number without an exponent, or a power of ten below 0.001 as such."""
+    power = np.log10(x).round(9)
+    if power < -3 and power == round(power):
+        return "10" + str(int(power)).translate(SUPERSCRIPT)
+    return np.format_float_positional(x, 3, fractional=False, trim="-")
 
 
 def name_lines(ax: Axes, *others: tuple[str, Sequence[Any], str], short: Callable[[str], str] = str) -> None:

@@ -77,23 +77,16 @@ def draw(
     size = float(np.linalg.norm(np.ptp(whole, axis=0))) or 1.0
     # stray light may go anywhere
     near = [_extended(ray, MARGIN * size) for ray in rays if ray[2] is DESIGNED or traced is None]
-    seen = np.concatenate([whole, *near]) @ sides.T
-    edge = EDGE * np.ptp(seen, axis=0).max()
-    low_high = np.stack((seen.min(0) - edge, seen.max(0) + edge))
+    low_high = _corners(np.concatenate([whole, *near]) @ sides.T)
     across, up = np.ptp(low_high, axis=0)
     height = np.clip(WIDTH * up / across, *HEIGHTS)
     with saved_with(record_of([scene])), drawn(WIDTH, height, target, printed=printed, roomy=True) as figure:
         axes = figure.add_subplot()
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_title(title)
-        for corners in sections:
-            axes.fill(*(corners @ sides.T).T, facecolor=(PRISMS, 0.12), edgecolor=PRISMS, linewidth=0.8)
-        for points, look in solid:
-            axes.plot(*(points @ sides.T).T, **look)
+        _plot_things(axes, sections, solid, sides)
         _plot(axes, rays, sides, BEYOND * size)
         for name, points, colour in names:
-            if len(points) == 1:
-                axes.plot(*(points @ sides.T).T, "o", color=colour, zorder=3)
             _write(axes, name, points @ sides.T, colour)
         axes.set_xlim(*low_high[:, 0], auto=True)  # True: one of the axes may be longer
         axes.set_ylim(*low_high[:, 1], auto=True)
@@ -103,6 +96,20 @@ def draw(
             _add_arrows(axes, sides, low_high[0])
         _name_rays(axes, rays, sides, MARGIN * size)
     return target
+
+
+def _corners(seen: Floats) -> Floats:
+    """Return the lower left and the upper right corner of a drawing (2, 2) in which points (n, 2) are seen."""
+    edge = EDGE * np.ptp(seen, axis=0).max()
+    return np.stack((seen.min(0) - edge, seen.max(0) + edge))
+
+
+def _plot_things(axes: Axes, sections: Sequence[Floats], solid: Sequence[Line], sides: Floats) -> None:
+    """Draw sections of prisms, and outlines."""
+    for corners in sections:
+        axes.fill(*(corners @ sides.T).T, facecolor=(PRISMS, 0.12), edgecolor=PRISMS, linewidth=0.8)
+    for points, look in solid:
+        axes.plot(*(points @ sides.T).T, **look)
 
 
 def _solid(scene: Scene, straight: bool) -> list[Line]:
@@ -148,7 +155,9 @@ def _names(scene: Scene, rays: Sequence[Ray]) -> list[tuple[str, Floats, str]]:
 
 
 def _write(axes: Axes, name: str, points: Floats, colour: str) -> None:
-    """Write a name above points (n, 2) of the drawing, or below a single point."""
+    """Write a name above points (n, 2) of the drawing. Draw a single point, and write its name below it."""
+    if len(points) == 1:
+        axes.plot(*points.T, "o", color=colour, zorder=3)
     above = (points[:, 0].min() + points[:, 0].max()) / 2, points[:, 1].max()
     up, va = (6, "bottom") if len(points) > 1 else (-6, "top")
     text = axes.annotate(name, above, (0, up), textcoords="offset points", ha="center", va=va, color=colour)

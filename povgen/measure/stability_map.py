@@ -8,20 +8,23 @@ limit is compared with the limit that povgen uses (povgen/limits.py).
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import cycle, pairwise
 from pathlib import Path
 from textwrap import fill
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import COLOURS, GREY, MARKS, Axes, drawn, name_lines, plain_ticks, save_table
+from povgen.measure.plotting import COLOURS, GREY, IDEAL, MARKS, Axes, drawn, name_lines, plain_ticks, save_table
 
 RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
+RESOLUTION = 0.011  # px, of positions in 16 bits
 RED = "#a3161c"
-SIGNS = "●■▲◆▼★✚✖"  # MARKS, in names
+DASHES = "-", "--", "-.", (0, (6, 1.5, 1, 1.5, 1, 1.5))  # one beside each colour, for eyes that do not tell them apart
 SOME = 3  # series that are drawn if there are more than colours
+
+Named = tuple[str, list[tuple[float, float]], str]  # a text, the points that it belongs to, and its colour
 
 
 @dataclass
@@ -30,10 +33,11 @@ class StabilityMap:
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
-    y, in the same unit, and y/x is drawn. For the drawing: `finding` is its title. `band` is where the method fails: on
-    which side of which value, and what happens there. `groups` are of series that look alike: a series is in the group
-    whose name is a part of its own, or in the first one. `dot` is the name of large dots, at the last row of each
-    series from POV-Ray's pictures. `limits` are what `limit` has found.
+    y, in the same unit, and y/x is drawn. If `is_bars`, only the last row of each series is
+    drawn. For the drawing: `finding` is its title. `band` is where the method fails: on
+    which side of which value, and what happens there. `groups` are of series that are drawn as one, as their mean and
+    range: by a pattern in their names, how they are called. `dot` is the name of large dots, at the last row of each
+    series from POV-Ray's pictures. `ends` are those of the y axis. `limits` are what `limit` has found.
     """
 
     name: str
@@ -43,10 +47,12 @@ class StabilityMap:
     tolerance: float
     log_axes: str = ""
     is_estimate: bool = False
+    is_bars: bool = False
     finding: str = ""
     band: tuple[Literal["left", "right", "above"], float, str] | None = None
-    groups: tuple[str, ...] = ()
+    groups: dict[str, str] = field(default_factory=dict)
     dot: str = ""
+    ends: tuple[float, float] | None = None
     rows: list[tuple[str, float, float]] = field(default_factory=list)
     limits: list[Measured] = field(default_factory=list)
 
@@ -95,7 +101,20 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
 def draw(measured: StabilityMap, folder: Path) -> None:
     """Write a stability map as NAME.png."""
     with drawn(9, 5, folder / f"{measured.name}.png") as figure:
-        draw_map(figure.subplots(), measured)
+        (draw_bars if measured.is_bars else draw_map)(figure.subplots(), measured)
+
+
+def draw_bars(ax: Axes, measured: StabilityMap) -> None:
+    """Draw y of the last row of each series as a bar, and x, which is an estimate of it, as a line across."""
+    rows = {name.replace("-", "−"): (x, y) for name, x, y in measured.rows}
+    names = sorted(rows, key=lambda name: rows[name][1])
+    stated, found = np.transpose([rows[name] for name in names])
+    places = np.arange(len(names))
+    ax.barh(names, found, color=IDEAL, alpha=0.6, label=measured.y.replace(" (px)", ""))
+    ax.vlines(stated, places - 0.4, places + 0.4, color="black", linewidth=3, label=measured.x.replace(" (px)", ""))
+    ax.set(xlabel=f"error (px), measured to {RESOLUTION:g} px", xlim=(0, 1.2 * found.max()))
+    ax.set_title(measured.finding, x=1, ha="right")
+    ax.legend(loc="lower right", fontsize=11)
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
@@ -108,38 +127,66 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     for name in measured.log_axes:
         getattr(ax, f"set_{name}scale")("log", nonpositive="mask")
     ax.margins(y=0.1)
-    others = _draw_series(ax, measured)
-    if "y" not in measured.log_axes and min(y for *_, y in measured.rows) >= 0:
+    others = (_draw_points if measured.is_estimate else _draw_lines)(ax, measured)
+    if measured.ends:
+        ax.set_ylim(*measured.ends)
+    elif "y" not in measured.log_axes and min(y for *_, y in measured.rows) >= 0:
         ax.set_ylim(bottom=0)
     ends = ax.get_xlim(), ax.get_ylim()
     for name, (least, most) in zip("xy", ends, strict=True):
         if name in measured.log_axes:
             subs = (1, 2, 5) if most < 30 * least else (1, 3) if most < 300 * least else (1,)
             plain_ticks(getattr(ax, f"{name}axis"), subs)
-    (left, right), (bottom, top) = ends
+    bottom = ends[1][0]
     for x in [x for _, x, y in measured.rows if y == 0] if "y" in measured.log_axes else ():
         ax.plot(x, bottom, "v", color=COLOURS[0], clip_on=False)
         others.append((f"0 at {x:g}", [(x, bottom)], COLOURS[0]))
-    if measured.is_estimate:
-        ax.axhline(1, color=GREY, linestyle=":", label="as great as stated")
-        above = [(x, y) for _, x, y in measured.rows if y > 1]
-        ax.plot(*np.reshape(above, (-1, 2)).T, "o", color=RED, markersize=13, fillstyle="none")
-        others += [("circled: greater than stated", above, RED)] if above else []
-    elif not (measured.band and measured.band[0] == "above"):
-        ax.axhline(measured.tolerance, color=GREY, linestyle=":", label=f"allowed: {measured.tolerance:g}")
     if measured.band:
-        side, bound, text = measured.band
-        x0, x1 = (left, bound) if side == "left" else (bound, right) if side == "right" else (left, right)
-        ax.fill_between((x0, x1), bound if side == "above" else bottom, top, color=RED, alpha=0.09, linewidth=0)
-        middle = (x0 * x1) ** 0.5 if "x" in measured.log_axes else (x0 + x1) / 2
-        low = (2 * bound + top) / 3 if side == "above" else bottom
-        others.append((text, [(middle, y) for y in np.linspace(low, top, 50)], RED))
-    ax.set(xlim=(left, right), ylim=(bottom, top))
+        others.append(_draw_band(ax, measured, *ends))
+    ax.set(xlim=ends[0], ylim=ends[1])
     name_lines(ax, *others)
 
 
-def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple[float, float]], str]]:
-    """Draw the series. Return what else to name: a text, the points that it belongs to, and its colour.
+def _draw_band(ax: Axes, measured: StabilityMap, xs: tuple[float, float], ys: tuple[float, float]) -> Named:
+    """Mark where the method fails. Return what is written there."""
+    side, bound, text = measured.band or ("above", np.inf, "")
+    (x0, x1), (y0, y1) = xs, ys
+    edge = ax.axhline if side == "above" else ax.axvline
+    edge(bound, color=RED, alpha=0.4, linewidth=1)  # no name is written across it
+    x0, x1, y0 = (bound if side == end else at for end, at in (("right", x0), ("left", x1), ("above", y0)))
+    ax.fill_between((x0, x1), y0, y1, color=RED, alpha=0.09, linewidth=0)
+    middle = (x0 * x1) ** 0.5 if "x" in measured.log_axes else (x0 + x1) / 2
+    low = (2 * bound + y1) / 3 if side == "above" else y0
+    return text, [(middle, y) for y in np.linspace(low, y1, 50)], RED
+
+
+def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str]]:
+    """Return the names of series by what they are called: some are drawn as one."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        # in several lines only after commas
+        own = fill(re.sub("(?<!,) ", "\N{NBSP}", name), 30).replace("-", "−")
+        label = next((label for part, label in measured.groups.items() if re.search(part, name)), own)
+        groups.setdefault(label, []).append(name)
+    return groups
+
+
+def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
+    """Draw points, and circles round those above 1. Return what else to name."""
+    for n, (label, names) in enumerate(_grouped(measured, dict.fromkeys(name for name, *_ in measured.rows)).items()):
+        points = [row for name, *row in measured.rows if name in names]
+        ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
+    ax.legend(frameon=True, fontsize=11)  # a sign beside a name would look like a point
+    for each in ax.lines:
+        each.set_label("_")
+    ax.axhline(1, color=GREY, linestyle=":", label="as great as stated")
+    above = [(x, y) for _, x, y in measured.rows if y > 1]
+    ax.plot(*np.reshape(above, (-1, 2)).T, "o", color=RED, markersize=13, fillstyle="none")
+    return [("circled: greater than stated", above, RED)] if above else []
+
+
+def _draw_lines(ax: Axes, measured: StabilityMap) -> list[Named]:
+    """Draw the series, and what is allowed. Return what else to name.
 
     Of more series than colours, SOME are drawn, whose last rows of `RENDERED` are spread evenly. The table has all.
     """
@@ -147,33 +194,29 @@ def _draw_series(ax: Axes, measured: StabilityMap) -> list[tuple[str, list[tuple
     for name, *row in measured.rows:
         rows.setdefault(name, []).append((row[0], row[1]))
     traced = [name for name in rows if not name.endswith(RENDERED)]
-    if len(traced) > len(COLOURS) and not measured.groups:
+    if len(traced) > len(COLOURS):
         ax.set_title(f"{measured.finding} in these {len(traced)} scenes ({SOME} shown)")
         ordered = sorted(traced, key=lambda name: rows[name + RENDERED][-1][0])
         traced = [ordered[n] for n in np.linspace(0, len(traced) - 1, SOME).round().astype(int)]
-    dots, others = [], []
-    for name in traced:
-        group = (
-            next((group for group in measured.groups[1:] if group in name), measured.groups[0])
-            if measured.groups
-            else name
-        )
-        n, points = (measured.groups or traced).index(group), np.array(rows[name])
-        label = fill(re.sub("(?<!,) ", "\N{NBSP}", group), 30).replace("-", "−")  # in several lines only after commas
-        line = ("-", "--", "-.")[n % 3] if len(points) > 30 else MARKS[n] + "-" * (not measured.is_estimate)
-        label = f"{SIGNS[n]} {label}" if line[0] in MARKS and not measured.is_estimate else label
-        if label in [line.get_label() for line in ax.lines]:
-            label = "_"
-        ax.plot(*points.T, line, color=COLOURS[n], label=label)
+    groups = _grouped(measured, traced)
+    others: list[Named] = []
+    for (label, names), colour, mark, dashes in zip(groups.items(), COLOURS, MARKS, cycle(DASHES), strict=False):
+        points = np.array([rows[name] for name in names])
+        x, y = points[0, :, 0], points[..., 1]
+        look: dict[str, Any] = {"color": colour, "linestyle": dashes, "marker": "" if len(x) > 30 else mark}
+        ax.plot(x, y.mean(0), label=label if len(names) == 1 < len(groups) else "_", **look)
+        if len(names) > 1:
+            ax.fill_between(x, y.min(0), y.max(0), color=colour, alpha=0.25, linewidth=0)
+            others.append((label, [*zip(x, y.min(0), strict=True), *zip(x, y.max(0), strict=True)], colour))
         if measured.dot:
-            dots += rows[name + RENDERED][-1:]
-            ax.plot(*dots[-1], "o", color=COLOURS[n], markersize=10)
-        elif "y" in measured.log_axes and not measured.is_estimate:
-            x = measured.crossing(name, rising=True)
-            ax.plot(x, measured.tolerance, "o", color=COLOURS[n], markersize=13, fillstyle="none")
-            others.append((f"{float(f'{x:.2g}'):g}", [(x, measured.tolerance)], COLOURS[n]))
-    if measured.is_estimate:
-        ax.legend(frameon=True, fontsize=11)  # a sign beside a name would look like a point
-        for each in ax.lines:
-            each.set_label("_")
-    return [*others, (measured.dot, dots, "black")] if dots else others
+            ax.plot(*rows[names[0] + RENDERED][-1], "o", color=colour, markersize=10)
+        elif "y" in measured.log_axes:
+            limit = measured.crossing(names[0], rising=True)
+            ax.plot(limit, measured.tolerance, "o", color=colour, markersize=13, fillstyle="none")
+            others.append((f"{float(f'{limit:.2g}'):g}", [(limit, measured.tolerance)], colour))
+    if measured.dot:
+        dot = rows[names[0] + RENDERED][-1]
+        ax.annotate(measured.dot, dot, (0, 60), textcoords="offset points", ha="right", arrowprops={"arrowstyle": "-"})
+    if not (measured.band and measured.band[0] == "above"):
+        ax.axhline(measured.tolerance, color=GREY, linestyle=":", label=f"allowed: {measured.tolerance:g}")
+    return others
