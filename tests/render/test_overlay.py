@@ -476,7 +476,7 @@ def refused_letter(letter):
 
 def test_a_letter_between_two_points_stands_beside_their_line():
     picture = np.full((200, 200, 3), 120, np.uint8)
-    overlay._letter(picture, "P", 90 + 100j, [40 + 100j, 160 + 100j], np.array([]))
+    overlay._letter(picture, "P", 90 + 100j, [40 + 100j, 160 + 100j], np.linspace(40, 160, 60) + 100j)
     assert np.flatnonzero((picture != 120).any((1, 2))).min() > 100
 
 
