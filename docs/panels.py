@@ -128,7 +128,7 @@ PANELS: dict[str, list[Panel]] = {
         Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black top"),
     ],
     "ideal": [
-        Panel(ASIDE.replace(sheet="none"), "without sheets", names={"eye": (0.5 + 0.15j,)}, overlay=True),
+        Panel(ASIDE.replace(sheet="none"), "without sheets", names={"eye": (0.38 + 0.15j,)}, overlay=True),
         Panel(
             ASIDE.replace(sheet="ideal"),
             "α = 66°: foot where the curves cross",

@@ -9,7 +9,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
-from povgen import Room, fonts, render
+from povgen import Eye, Room, fonts, render
 from povgen.measure.plotting import IDEAL, PRISMS, Figure, save_drawing, style, withStroke
 from povgen.optics.pose import Floats
 from povgen.optics.rays import Bundle
@@ -20,6 +20,7 @@ DPI = 100
 INK, PALE = "#20242a", "#f4efe2"
 CASED = [withStroke(linewidth=4, foreground="white")]
 SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0), (-1, -1, 0)])
+STEEP = Eye(x=-0.2, y=10, z=-5, look_x=-0.5, look_y=0.1, view=4.8)
 
 
 class Picture:
@@ -77,28 +78,33 @@ def box(picture: Picture) -> None:
     places = picture.room.camera.pixels(picture.size)
     knight = (picture.render(alone) != picture.render(alone.replace(object=()))).any(-1)
     x, y = places[0].real, places[:, 0].imag
-    picture.ax.contourf(x, y, knight, [0.5, 1], colors=["#ffffff55"])
     picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4)
     picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed")
-    picture.write(np.array((-0.1, 0.7, 0)), "stands here", 16)
-    picture.write(np.array((2.27, -0.2, 0)), "is seen here", 16)
+    picture.write(np.array((-0.15, 0.72, 0)), "stands here", 18)
+    picture.write(np.array((1.3, 1.48, 0)), "is seen here", 18)
+    picture.line(np.array(((1.2, 1.33, 0), (1.0, 0.5, 0))), INK, 2)
 
 
 def star(picture: Picture) -> None:
-    """Also draw a ray that goes round once, number the sheets in its order, and extend both ends."""
-    windows(picture)
+    """Draw plain sheets, and a ray that goes round once. Number the sheets in its order, and extend both its ends."""
+    floor = picture.render(picture.room.replace(window=()))
+    picture.ax.imshow(floor, extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()), alpha=0.3)
     found = picture.room.trace(Bundle((0.385, -1.69, -0.95), (-1, 0.455, 0)), path=True)
-    for n, window in enumerate(found.windows[:8]):
-        picture.ax.fill(*picture.seen(picture.room.openings[window].edge).T, color="white", alpha=0.6)
-        picture.write(2.2 * picture.room.openings[window].pose.place + (0, 1.7, 0), str(n + 1))
-    ray = found.corners[:10]
-    for start, name in ((ray[0], "in, extended"), (ray[-2], "out, parallel")):
-        end = start + 2.1 * (ray[1] - ray[0])
+    ray, sheets = found.corners[:10], [picture.room.openings[n] for n in found.windows[:8]]
+    parts = [(sheet.pose.place, sheet.edge) for sheet in sheets]
+    parts += [(part.mean(0), part) for part in np.stack((ray[:-1], ray[1:]), 1)]
+    for _, points in sorted(parts, key=lambda part: -part[0][2]):  # the nearest last
+        if len(points) > 2:
+            picture.ax.fill(*picture.seen(points).T, facecolor="#c8dcf040", edgecolor=PRISMS, linewidth=1, zorder=2)
+            continue
+        picture.line(points, IDEAL, 4, head=any(np.array_equal(points[1], end) for end in (ray[1], ray[-1])))
+    for n, sheet in enumerate(sheets):
+        picture.write(2.55 * sheet.pose.place + (0, 0.7, 0), str(n + 1), 20)
+    for start, name in ((ray[1], "in, extended"), (ray[-1], "out, parallel")):
+        end = start + 1.6 * (ray[1] - ray[0])
         picture.line(np.array((start, end)), INK, 2, "--")
-        picture.write(end - (0.6, 0, 0), name)
-    picture.write(ray[0] + (0.25, 0, 0), "in")
-    picture.line(ray, IDEAL, 3, head=True)
-    picture.line(ray[:2], IDEAL, 3, head=True)
+        picture.write(end - (0.78, 0, 0), name, 18)
+    picture.write(ray[:2].mean(0) - (0, 0, 0.3), "in", 18)
     picture.ax.plot(*picture.seen(ray[1:-1]).T, "o", color=IDEAL, markeredgecolor="white")
 
 
@@ -134,6 +140,8 @@ def main() -> None:
     parser.add_argument("-o", dest="output", type=Path, required=True)
     given = parser.parse_args()
     name, room = given.room.stem, Room.load(given.room, background=Room().background)
+    if name == "star":  # from where all sheets are seen
+        room = room.replace(eye=STEEP)
     with style(), saved_with(record_of([room])):
         picture = Picture(room, (1280, 400) if name == "turns" else (640, 480))
         {"box": box, "star": star, "turns": turns}.get(name, windows)(picture)

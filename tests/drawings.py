@@ -20,7 +20,7 @@ SCENES = {
     "windows": Chess(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, z1=2, predicted_image=True),
     "axis": Chess(sheet="axis", axis=(0.2, 1, 0), alpha=20, piece="king", eye=(0.4, 0.3)),
     "lens": Chess(sheet="lens", piece="rook"),
-    "spheres": Spheres(sheet="detailed", alpha=40, prisms=30),
+    "spheres": Spheres(sheet="detailed", alpha=40, prisms=30, view=1.5),
     "room": Room(
         [Window(name="left", alpha=90, x=-1.75), Window(x=1.75, yaw=20), Piece(x=-1.6, y=-0.85, z=2.5)]
         + [Sphere(x=3.9, radius=0.3), Ruler(y=-1.5, z=1)],

@@ -345,7 +345,7 @@ def _projection(ax: Axes, r: float, alpha: float) -> None:
     arc(ax, P, 0.2, float(np.angle(P)), float(np.angle(1 - P)), r"$\alpha$", 0.07)
     arc(ax, 1, 0.3, pi, pi + float(equations.nu(r, alpha)), r"$\nu$", 0.07)
     for point, text, offset in (
-        (0, "$L$ = 0", -0.1 + 0.09j),
+        (0, "$L$ = 0", -0.13 + 0.09j),
         (1, "$E$ = 1", 0.03 + 0.09j),
         (P, "$P$", -0.05 - 0.08j),
     ):
@@ -359,7 +359,7 @@ def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
     """Draw where P lies for constant r and for constant alpha, by eq. 7, and P for the values of the other panels."""
     plane(ax, (-1.15, 2.15), (-1.1, 1.1))
     turn = np.linspace(-pi, pi, 721)
-    for r, text, place in ((1 / 2, "1/2", 1.95 + 0.58j), (1, "$r$ = 1", 0.3 + 1.03j), (2, "2", -0.92 + 0.58j)):
+    for r, text, place in ((1 / 2, "1/2", 1.95 + 0.58j), (1, "$r$ = 1", 0.27 - 1.03j), (2, "2", -0.92 + 0.58j)):
         P = equations.P(r, turn)
         ax.plot(*xy(np.where(abs(P) > 6, np.nan, P)), color=CONSTANT_R, linewidth=1.2)
         write(ax, xy(place), text, color=CONSTANT_R, fontsize=11)
@@ -372,7 +372,7 @@ def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
             look = {"arrowstyle": "-", "color": GREY, "linewidth": 0.8, "shrinkB": 0}
             end = xy(equations.P(r, radians(signed)))
             ax.annotate(text, end, xy(at), ha="center", va="center", color=CONSTANT_ALPHA, fontsize=11, arrowprops=look)
-    ax.plot((0, 1), (0, 0), "--", color=CONSTANT_ALPHA, linewidth=1.2)
+    ax.plot((0, 1), (0, 0), "--", color=CONSTANT_ALPHA, linewidth=2.2, zorder=4)
     example = complex(equations.P(of_r, of_alpha))
     for point, text, offset in ((0, "$L$", -0.13 - 0.13j), (1, "$E$", 0.13 - 0.13j), (example, "$P$", 0.13 - 0.13j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)

@@ -100,11 +100,13 @@ def faces(ax: Axes, corners_of_each: Iterable[Sequence[Point]], colour: str, opa
 def path(ax: Axes, points: Iterable[Point], colour: str, width: float, dashes: str = "-", head: bool = False) -> None:
     """Draw a line through points of space, with an arrowhead at its end if `head`."""
     drawn = np.array([projected(point) for point in points])
-    ax.plot(*drawn.T, dashes, color=colour, linewidth=width, solid_joinstyle="round")
+    end = drawn[-1].copy()
     if head:
         step = (drawn[-1] - drawn[-2]) / np.linalg.norm(drawn[-1] - drawn[-2])
-        start, end = drawn[-1] - 1e-3 * step, drawn[-1]
-        arrow(ax, (start[0], start[1]), (end[0], end[1]), colour, width)
+        drawn[-1] -= 0.15 * step  # the line ends in the head, not at its tip
+        start = end - 1e-3 * step
+        arrow(ax, (start[0], start[1]), (end[0], end[1]), colour, 0)
+    ax.plot(*drawn.T, dashes, color=colour, linewidth=width, solid_joinstyle="round")
 
 
 def coordinate_axes(ax: Axes, origin: tuple[float, float, float], size: float = 0.9) -> None:

@@ -85,12 +85,11 @@ def annotated(
 def mark(shown: NDArray[np.uint8], scene: Scene, rendering: Rendering) -> None:
     """Draw outlines, the line of a sheet and, if `rendering` asks for it, the overlay on the scene's picture."""
     if isinstance(scene, AxialScene):
-        for outline in scene.outlines:
-            _outline(scene, outline, shown)
-        if rendering.annotated:
-            _sheet_line(scene, shown)
+        lines = [_outline(scene, outline, shown) for outline in scene.outlines]
+        if rendering.annotated and scene.sheets[0].line:
+            lines.append(_sheet_line(scene, *scene.sheets[0].line[1:], shown))
         if rendering.overlay:
-            _overlay(scene, shown)
+            _overlay(scene, shown, lines)
     elif rendering.overlay:
         for (_, colour), places in marks(scene).items():
             for place in places:
@@ -249,10 +248,11 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1, most: i
     return strip
 
 
-def _overlay(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
+def _overlay(scene: AxialScene, picture: NDArray[np.uint8], lines: Sequence[Complexes]) -> None:
     """Draw the curves along which the predicted positions move. Then draw points on them.
 
-    The points are the predicted positions, those of ghosts, and L and E with their letters.
+    The points are the predicted positions, those of ghosts, and L and E with their letters, which avoid what is drawn,
+    also `lines`, pixels.
     """
     height = len(picture)
     tile = height / scene.view
@@ -279,25 +279,24 @@ def _overlay(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
             for radius, colour in ((1.3, EDGE), (0.9, POINT_COLOUR)):
                 _discs(picture, pixels(np.array([place])), radius * max(thick, 2), colour)
     places = {name: complex(pixels(np.array([place]))[0]) for name, place in named.items()}
+    drawn = np.concatenate([*lines, *(points for points, _ in curves), pixels(np.array([*positions(scene)], complex))])
     for name, place in places.items():
-        _letter(picture, name, place, [other for other in places.values() if other != place])
+        drawn = _letter(picture, name, place, [other for other in places.values() if other != place], drawn)
 
 
-def _sheet_line(scene: AxialScene, picture: NDArray[np.uint8]) -> None:
-    """Draw the line in the first window about which its sheet mirrors or turns light, if there is one."""
-    if not scene.sheets[0].line:
-        return
-    _, way = scene.sheets[0].line
+def _sheet_line(scene: AxialScene, way: complex, picture: NDArray[np.uint8]) -> Complexes:
+    """Draw and return the line in the first window about which its sheet mirrors or turns light."""
     thick = max(len(picture) / 180, 1.5)
     step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
     half = scene.aperture / 2 * abs(way) / max(abs(way.real), abs(way.imag))
     points = _pixels(np.asarray(way / abs(way) * np.arange(-half, half, step), complex), scene, picture)
     for radius, colour in ((0.9, HALO), (0.5, LINE_COLOUR)):
         _discs(picture, points, radius * thick, colour)
+    return points
 
 
-def _outline(scene: AxialScene, outline: str, picture: NDArray[np.uint8]) -> None:
-    """Draw the outlines of the pieces: where they are predicted, or where the eye sees them without sheets."""
+def _outline(scene: AxialScene, outline: str, picture: NDArray[np.uint8]) -> Complexes:
+    """Draw and return the pieces' outlines: where they are predicted, or where the eye sees them without sheets."""
     if outline == "direct_image":
         # the windows remain, without their sheets, because z1 is the distance from the last one
         empty = [{"z": window.z, "sheet": "none"} for window in scene.window]
@@ -309,6 +308,7 @@ def _outline(scene: AxialScene, outline: str, picture: NDArray[np.uint8]) -> Non
     _, line, edge = OUTLINES[outline]
     for radius, colour in ((1.25, edge), (0.7, line)):
         _discs(picture, points, radius * thick, colour)
+    return points
 
 
 def _dot(picture: NDArray[np.uint8], place: Complexes, radius: float, colour: Colour) -> None:
@@ -333,15 +333,20 @@ def _named(scene: AxialScene) -> dict[str, complex]:
     return {name: z for name, z in points.items() if max(abs(z.real), abs(z.imag)) < half}
 
 
-def _letter(picture: NDArray[np.uint8], name: str, place: complex, others: Sequence[complex]) -> None:
-    """Write a point's letter beside it, on the side that is away from the other points."""
+def _letter(
+    picture: NDArray[np.uint8], name: str, place: complex, others: Sequence[complex], drawn: Complexes
+) -> Complexes:
+    """Write a point's letter beside it. Return what is `drawn` then.
+
+    It is on the side that is away from the other points, or else where it covers least of what is drawn.
+    """
     height, width, _ = picture.shape
     size = 1.3 * max(TEXT * min(height, width * 4 / 3), LEGIBLE)
     away = sum((place - other) / abs(place - other) ** 2 for other in others) or 1 - 1j
-    first, last = others if len(others) == 2 else (place, place)
-    if ((first - place) * (last - place).conjugate()).real < 0:  # between them, beside the line through them
-        away = 1j * (last - first) * (-1 if ((place - first) / (last - first)).imag < -1e-6 else 1)
-    middle = place + 0.9 * size * away / abs(away)
+    turns = np.exp(1j * np.pi / 8 * np.array([0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6, 7, -7, 8]))
+    middles = place + size * turns * away / abs(away)
+    covered = [(abs(drawn - middle) < 0.75 * size).sum() for middle in middles]
+    middle = complex(middles[np.argmin(covered)])
     left, top = round(middle.real - size), round(middle.imag - size)
     rows = slice(max(top, 0), max(round(top + 2 * size), 0))
     columns = slice(max(left, 0), max(round(left + 2 * size), 0))
@@ -351,6 +356,7 @@ def _letter(picture: NDArray[np.uint8], name: str, place: complex, others: Seque
         at = middle - complex(columns.start, rows.start) - size * text_width(name) / 2
         write(ImageDraw.Draw(image), at.real, at.imag, name, size, edge=max(1, round(size / 12)))
         part[:] = np.asarray(image)
+    return np.append(drawn, middle + 0.4 * size * turns)
 
 
 def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour: Colour) -> None:

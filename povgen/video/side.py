@@ -21,6 +21,10 @@ from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 MOST = 0.5  # height of the view at most, as a fraction of the picture's height
 SMALLER = 0.8  # size of a name that does not fit otherwise, as a multiple of the usual one
+CLEAR, APART = 0.2, 0.6  # least distance of a name from a line, and of a name's end from another name, in its size
+# how much worse a place is where a name covers rays from the eye, or is as near to another thing, in lines of text
+COVERS, UNCLEAR = 1.5, 10.0
+HEADS = (0.2, 0.34, 0.48)  # where light to each point has its arrowhead: parts of the way from there to the first bend
 FINER = 3  # the lines are drawn on a grid of pixels that is finer by this factor, for smooth edges
 FARTHEST = 4  # what is farther from the eye than this multiple of the farthest window's distance is left out
 HIGHEST = 2  # an image is left out if it reaches farther from the z axis than this multiple of the rest
@@ -55,7 +59,7 @@ class Extent(NamedTuple):
 class Thing(NamedTuple):
     """What is drawn: a line, or a mark, which is an arrow, or a disc if its radius is more than the arrow's length."""
 
-    name: str  # or nothing
+    name: str
     points: Floats  # (n, 3), corners of a line; of a mark its place, the arrow's end and a point of the disc's rim
     colour: Colour
     is_mark: bool = False
@@ -103,22 +107,24 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     if not isinstance(scene, AxialScene):
         drawing.fan(scene, width / height)
     images = [thing.points[0, 2] for thing in things if thing.colour == IMAGE]
-    for colour, corners in _light(scene, [thing.source for thing in things if thing.source is not None]):
+    light = [*_light(scene, [thing.source for thing in things if thing.source is not None])]
+    parts = dict(zip(dict.fromkeys(tuple(corners[0]) for _, corners in light), HEADS, strict=False))
+    for colour, corners in light:
         if len(images) == 1 and len(corners) > 2 and (z := images[0]) > 0:
             eye, bend = corners[:2]
             drawing.line([bend, eye + (z - eye[2]) / (bend[2] - eye[2]) * (bend - eye)], BESIDE, 0.4)
         drawing.line(corners, colour)
         eye, bend = FINER * drawing.pixels(corners[:2])
-        drawing.head(bend, (2 * eye + bend) / 3, 3, colour)
+        drawing.head(bend, eye + parts[tuple(corners[0])] * (bend - eye), 3, colour)
     for thing in things:
         drawing.thing(thing)
     title = ("from above" if drawing.shows.from_above else "from the side") + f", {farther} farther" * (farther > 0)
-    names = {thing.name: drawing.pixels(thing.around) for thing in things if thing.name}
+    # windows from the eye on, so that their names stand in this order, and what has no image last
+    order = sorted(things, key=lambda thing: thing.colour == OTHER)
+    names = {thing.name: drawing.pixels(thing.around) for thing in order}
     above = {thing.name for thing in things if thing.colour == SHEET}
     first = {note: names[things[0].name], "eye": drawing.eye(scene)} if note else {"eye": drawing.eye(scene)}
-    # windows last, from the eye on, so that their names stand in this order
-    order = [*(name for name in reversed(names) if name not in above), *(name for name in names if name in above)]
-    return drawing.labelled(title, {**first, **{name: names[name] for name in order}}, above)
+    return drawing.labelled(title, first | names, above)
 
 
 class Drawing:
@@ -128,15 +134,16 @@ class Drawing:
         self.shows = shows
         self.size = size = min(max(TEXT * height, min(LEGIBLE, MAX_TEXT * height)), width / 13)
         wide, high = shows.last - shows.first, shows.high - shows.low
-        self.scale = min((width - 3 * size) / wide, (MOST * height - 3.4 * size) / high)
-        rows = 2 * int(min(self.scale * high + 4 * size, MOST * height) / 2)
+        self.scale = min((width - 3 * size) / wide, (MOST * height - 3.8 * size) / high)
+        rows = 2 * int(min(self.scale * high + 4.4 * size, MOST * height) / 2)
         left = (width - self.scale * wide) / 2 - self.scale * shows.first
         # names above windows need more room than those below objects
-        self.origin = left, (rows + size) / 2 + self.scale * (shows.high + shows.low) / 2
+        self.origin = left, (rows + 0.6 * size) / 2 + self.scale * (shows.high + shows.low) / 2
         self.image = Image.new("RGB", (FINER * width, FINER * rows), STRIP)
         self.draw = ImageDraw.Draw(self.image)
         self.thick = FINER * max(1.0, height / 160)
-        self.solid: list[Floats] = []  # points (n, 2) that names should not cover
+        self.solid: list[Floats] = []  # points (n, 2) that names do not cover
+        self.thin: list[Floats] = []  # those that they cover only if there is no other place
 
     def pixels(self, points: ArrayLike) -> Floats:
         """Return the places in the strip, (..., 2), of points (..., 3)."""
@@ -147,8 +154,7 @@ class Drawing:
         corners = self.pixels(points)
         width = max(1, round(times * self.thick))
         self.draw.line([*map(tuple, FINER * corners)], fill=colour, width=width, joint="curve")
-        if colour not in (RAY, BESIDE):
-            self.solid += [*(corners[:-1] + np.linspace(0, 1, 25)[:, None, None] * np.diff(corners, axis=0))]
+        (self.thin if colour == RAY or times < 0.5 else self.solid).append(_along(corners))
 
     def disc(self, middle: Floats, radius: float, colour: Colour) -> None:
         """Draw a disc. Lengths are in pixels of the finer grid."""
@@ -168,16 +174,23 @@ class Drawing:
         times = {SHEET: 1.1, IMAGE: 2}.get(thing.colour, 1)
         if not thing.is_mark:
             self.line(thing.points, thing.colour, times)
+            if thing.colour == OTHER:
+                corners = FINER * self.pixels(thing.points)
+                for a, b, c in zip(corners, corners[1:], corners[2:], strict=False):
+                    if (a != c).any():  # three corners of a face
+                        self.draw.polygon([*map(tuple, (a, b, c, a + c - b))], fill=OTHER)
+                middle, edges = corners.mean(0), _along(corners)
+                self.solid += [(middle + part * (edges - middle)) / FINER for part in (0.3, 0.6)]
             return
         place, tip, _ = FINER * self.pixels(thing.points)
         radius = max(FINER * self.scale * float(np.linalg.norm(thing.points[2] - thing.points[0])), 2 * self.thick)
-        way, length = tip - place, float(np.linalg.norm(tip - place))
+        length = float(np.linalg.norm(tip - place))
         if length <= radius:
             self.disc(place, radius + (times - 1) * self.thick, thing.colour)
         else:
             base = self.head(place, tip, 4, thing.colour)
             self.draw.line([*place, *base], fill=thing.colour, width=round((1 + times) * self.thick))
-        self.solid += [self.pixels(thing.around), (place + np.linspace(0, 1, 25)[:, None] * way) / FINER]
+        self.solid += [self.pixels(thing.around), _along(np.array([place, tip])) / FINER]
 
     def fan(self, scene: Scene, ratio: float) -> None:
         """Draw rays from the eye through the picture's middle row, or from the side its middle column."""
@@ -202,43 +215,69 @@ class Drawing:
     def labelled(self, title: str, names: Mapping[str, Floats], above: Collection[str]) -> NDArray[np.uint8]:
         """Return the strip, with a title in the corner, and with names below or `above` points (n, 2), pixels.
 
-        A name that would cover things or other names has another place near its points, or is smaller, or left out.
+        No name is on or near lines or other names. One without a place is left out. One that covers rays from the
+        eye interrupts them.
         """
         image = self.image.reduce(FINER)
-        draw, solid = ImageDraw.Draw(image), np.concatenate(self.solid)
-        edge = max(1, round(self.size / 12))
+        draw, edge = ImageDraw.Draw(image), max(1, round(self.size / 12))
         write(draw, 0.3 * self.size, 0.9 * self.size, title, self.size, edge, dark=False)
-        taken = [(0.0, 0.0, (0.6 + text_width(title)) * self.size, 1.5 * self.size)]  # left, upper, right, lower edges
+        taken = [(np.zeros(2), np.array([0.6 + text_width(title), 1.5]) * self.size)]  # lower and upper corners
+        solid, every = np.concatenate(self.solid), np.concatenate([*self.solid, *self.thin])
+        things = {name: _along(around) for name, around in names.items()}
         for name, around in names.items():
-            for left, middle, size in _places(around, text_width(name), self.size, name in above):
-                wide = text_width(name, size) * size
-                x = min(max(left, 0.3 * size), image.width - wide - 0.3 * size)
-                y = min(max(middle, 0.7 * size), image.height - 0.7 * size)
-                box = x, y - 0.6 * size, x + wide, y + 0.6 * size
-                hides = any(box[0] < c and a < box[2] and box[1] < d and b < box[3] for a, b, c, d in taken)
-                if x > 0 and not hides and not ((solid > box[:2]) & (solid < box[2:])).all(-1).any():
+            others = [things[other] for other, points in names.items() if points is not around]
+            places = _places(around, text_width(name), self.size, name in above)
+            options = sorted(
+                (worse + covers + unclear, *place, covers, unclear)
+                for worse, *place in places
+                for covers, unclear in product((0, COVERS), (0, UNCLEAR))
+            )
+            for _, left, middle, size, covers, unclear in options:
+                half = np.array([text_width(name, size), 1.2]) * size / 2
+                margin = half + (0.3 * size, 0.1 * size)
+                centre = np.clip((left + half[0], middle), margin, image.size - margin)
+                box, aside = (centre - half, centre + half), (APART * size, 0)
+                if (
+                    box[0][0] > 0
+                    and not any(((box[0] - aside < upper) & (lower < box[1] + aside)).all() for lower, upper in taken)
+                    and _gap(box, solid if covers else every) > CLEAR * size
+                    and (unclear or all(_gap(box, things[name]) + 0.1 * size < _gap(box, points) for points in others))
+                ):
                     taken.append(box)
-                    write(draw, x, y, name, size, edge, dark=False)
+                    draw.rectangle([*box[0], *box[1]], fill=STRIP)
+                    write(draw, box[0][0], centre[1], name, size, edge, dark=False)
                     break
         return np.asarray(image)
 
 
-def _places(around: Floats, relative: float, most: float, is_above: bool) -> Iterator[tuple[float, float, float]]:
-    """Yield places for a name near things, the best first: its left edge, its middle and its size.
+def _along(corners: Floats) -> Floats:
+    """Return points (m, 2) along lines through corners (n, 2)."""
+    steps = np.linspace(0, 1, 25).reshape(-1, *[1] * corners.ndim)
+    return (corners[:-1] + steps * np.diff(corners, axis=0)).reshape(-1, 2)
+
+
+def _gap(box: tuple[Floats, Floats], points: Floats) -> float:
+    """Return the distance from a box, its lower and upper corner, to the nearest of points (n, 2)."""
+    return float(np.linalg.norm(points - np.clip(points, *box), axis=1).min())
+
+
+def _places(
+    around: Floats, relative: float, most: float, is_above: bool
+) -> Iterator[tuple[float, float, float, float]]:
+    """Yield places for a name near things: how bad each is, in lines, its left edge, its middle and its size.
 
     `relative` is its width in units of its size, and `most` the greatest size.
     """
     (left, top), (right, bottom) = around.min(0), around.max(0)
     for size in (most, SMALLER * most):
-        wide, wrong = relative * size, 3.5  # how much worse the wrong side is, in lines
-        beside = 1.4 + 1.6 * is_above
-        places = [(beside, right + 0.4 * size, (top + bottom) / 2)]
-        places += [(beside + 0.2, left - 0.4 * size - wide, (top + bottom) / 2)]
-        for lines, aside in product(range(5), (0, 0.35, -0.35, 0.6, -0.6, 1.2, -1.2)):
-            x, worse = (left + right - wide) / 2 + aside * wide, lines + 10 * aside**2
-            places += [(worse + wrong * is_above, x, bottom + (0.7 + lines) * size)]
-            places += [(worse + wrong * (not is_above), x, top - (0.7 + lines) * size)]
-        yield from ((x, y, size) for _, x, y in sorted(places))
+        wide, wrong, small = relative * size, 3.5, 5.0 * (size < most)  # the wrong side of its thing, a small name
+        for y, worse in ((top + bottom) / 2, 1.4), (top + 0.6 * size, 1.8), (bottom - 0.6 * size, 1.8):
+            yield worse + 1.6 * is_above + small, right + 0.4 * size, y, size
+            yield worse + 1.6 * is_above + small + 0.2, left - 0.4 * size - wide, y, size
+        for lines, aside in product(np.arange(0, 4.5, 0.5), (0, 0.35, -0.35, 0.6, -0.6, 1.2, -1.2)):
+            x, worse = (left + right - wide) / 2 + aside * wide, lines + 10 * aside**2 + small
+            yield worse + wrong * is_above, x, bottom + (0.85 + lines) * size, size
+            yield worse + wrong * (not is_above), x, top - (0.85 + lines) * size, size
 
 
 def _shown(scene: Scene) -> tuple[list[Thing], int, str]:
@@ -314,5 +353,5 @@ def _object(each: SceneObject) -> Thing:
         height = 0 if isinstance(each, Sphere) else ARROW if isinstance(each.shape, PieceFile) else tall
         points = np.array([[0, 0, 0], [0, height, 0], [width, 0, 0]]) @ each.pose.axes + each.pose.place
     if each.point is None:
-        return Thing("", points, OTHER)
+        return Thing(each.called, points, OTHER)
     return Thing(each.name or each.called, points, OBJECT, is_mark, points[1] if is_mark else each.point)

@@ -476,7 +476,7 @@ def refused_letter(letter):
 
 def test_a_letter_between_two_points_stands_beside_their_line():
     picture = np.full((200, 200, 3), 120, np.uint8)
-    overlay._letter(picture, "P", 90 + 100j, [40 + 100j, 160 + 100j])
+    overlay._letter(picture, "P", 90 + 100j, [40 + 100j, 160 + 100j], np.linspace(40, 160, 60) + 100j)
     assert np.flatnonzero((picture != 120).any((1, 2))).min() > 100
 
 
@@ -490,7 +490,7 @@ def test_a_letter_between_two_points_stands_beside_their_line():
 )
 def test_points_in_the_window_have_their_letters(scene, letters, monkeypatch):
     found = {}
-    monkeypatch.setattr(overlay, "_letter", lambda picture, name, place, others: found.update({name: place}))
+    monkeypatch.setattr(overlay, "_letter", lambda picture, name, place, *_: found.update({name: place}))
     picture = drawn(scene, overlay=True)
     assert [*found] == [*letters]
     for name, at in found.items():
