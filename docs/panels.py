@@ -234,9 +234,17 @@ OTHERS: dict[str, list[Panel]] = {
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "parallel polarisers: 34 % passes"),
+        Panel(POLARISED, "parallel polarisers: 34 % passes", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
         Panel(CROSSED, "crossed: 1.5 %", size=SLIM),
-        Panel(CROSSED, "crossed, 4 × brighter", names={"stray light": (0.85 - 0.15j, 1.1 - 1.15j)}, brighter=4),
+        Panel(
+            CROSSED,
+            "crossed, 4 × brighter",
+            names={
+                "designed light": (-0.86 + 0.38j, -0.24 + 0.03j),
+                "stray light": (0.72 - 1.31j, -0.31 - 1.27j, 1.1 - 0.86j, 1.48 - 1.07j),
+            },
+            brighter=4,
+        ),
     ],
     "pupil": [
         Panel(PUPIL, "α = 0°: sharp"),
