@@ -34,7 +34,7 @@ ORANGE, BLUE = (213, 94, 0), (0, 72, 140)
 PAPER, GLASS = (232, 236, 240), (190, 213, 236)  # of a drawing
 # colours and widths of a line from a name to a place, and of one from a name on dark ground
 LEADER, PALE_LEADER = (("white", 5), (DARK, 2)), ((STRIP, 5), ("white", 2))
-DARK_GROUND = 90  # below this mean of a picture's bytes, names are white
+DARK_GROUND = 130  # below this mean of a picture's bytes, names are white
 Point = tuple[float, float]  # of a picture, pixels
 Picture = NDArray[np.uint8]
 
@@ -199,12 +199,19 @@ PANELS: dict[str, list[Panel]] = {
         )
     ],
     "lenticular": [
-        Panel(BUILT.replace(prisms=200), "Dove prisms, α = 66°: sharp"),
+        Panel(
+            BUILT.replace(prisms=200),
+            "Dove prisms, α = 66°: sharp",
+            names={"stray light": (0.68 - 0.02j, 0.78 - 0.9j, 0.97 - 0.35j)},
+        ),
         Panel(BUILT.replace(sheet="lenticular", lenses=200), "cylindrical lenses, f/3: blurred"),
         Panel(
             BUILT.replace(sheet="lenticular", lenses=200, f_number=6),
             "lenses, f/6: sharper, but with ghosts",
-            names={"ghost": (-0.72 + 0.28j, -0.62 + 0.7j), "another ghost": (-0.61 - 0.22j, -0.55 - 0.68j)},
+            names={
+                "ghosts": (-0.75 + 0j, -0.62 + 0.6j, -0.58 - 0.55j),
+                "more ghosts": (0.57 + 0.12j, 0.6 + 0.5j, 0.65 - 0.75j),
+            },
         ),
     ],
 }
@@ -238,12 +245,12 @@ OTHERS: dict[str, list[Panel]] = {
         Panel(CROSSED, "crossed: 1.5 %", size=SLIM),
         Panel(
             CROSSED,
-            "crossed, 4 × brighter",
+            "crossed, 6 × brighter",
             names={
-                "designed light": (-0.86 + 0.38j, -0.24 + 0.03j),
+                "designed light": (-0.86 + 0.38j, -0.03 - 0.2j),
                 "stray light": (0.72 - 1.31j, -0.31 - 1.27j, 1.1 - 0.86j, 1.48 - 1.07j),
             },
-            brighter=4,
+            brighter=6,
         ),
     ],
     "pupil": [
