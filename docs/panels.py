@@ -23,7 +23,7 @@ from povgen.video.overlay import annotated
 from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, TEXT, text_width, write
 
-# of a panel, of a low one, of tall ones, of a small one, and of a picture with one
+# of a panel, of a low one, of two tall ones, of a slim one, and of a picture with one
 SIZE, LOW, TALL, NARROW, SLIM, WIDE = (480, 480), (480, 384), (520, 720), (340, 720), (240, 480), (968, 410)
 VIEW = 3.5  # tiles
 PART, TIMES = 40, 4  # side of the part that is magnified, pixels, and how many times larger it is
@@ -113,9 +113,7 @@ def measured(scene: Chess) -> str:
 PANELS: dict[str, list[Panel]] = {
     "prisms": [
         Panel(
-            Chess(
-                prisms=12, z1=2.5, view=4.14
-            ),  # with a frame as large as those of the others, though its front is near
+            Chess(prisms=12, z1=2.5, view=4.14),  # the frame, though nearer, looks as large as the others'
             "α = 66°: 12 prisms in each sheet",
             names={"inside of the frame": (-0.76 - 1.63j, -1.64 - 1.165j)},
         ),
