@@ -350,10 +350,9 @@ def _magnify(image: Image.Image, part: Chess, middle: Point, look: Mapping[str, 
     (x, y), half, large = middle, PART / 2, PART * TIMES
     left, top = 44, round(y - large / 2)
     sides = [[(x - half, y + way * half), (left + large, y + way * large / 2)] for way in (-1, 1)]
-    _lines(image, sides, (DARK, 5), ("white", 2))
-    draw = ImageDraw.Draw(image)
-    draw.rectangle([x - half, y - half, x + half, y + half], outline="white", width=2)
-    draw.rectangle([left - 2, top - 2, left + large + 1, top + large + 1], fill="white")
+    square = [(x + across * half, y + down * half) for across, down in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))]
+    _lines(image, [*sides, square], (DARK, 5), ("white", 2))
+    ImageDraw.Draw(image).rectangle([left - 2, top - 2, left + large + 1, top + large + 1], fill="white")
     image.paste(Image.fromarray(render(part, size=(large, large), **look)), (left, top))
 
 
