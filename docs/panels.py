@@ -231,8 +231,8 @@ OTHERS: dict[str, list[Panel]] = {
         ),
         Panel(
             WHITE.replace(prisms=500, look=(0.25, -0.05)),
-            "prisms: sharp",
-            names={"stray light × 8": (0.49 + 0.96j, 0.07 + 0.82j), "knight × 1": (0.51 + 0.4j, 0.54 + 0.04j)},
+            "prisms: sharp, no ghosts",
+            names={"stray light × 8": (0.49 + 0.96j, 0.07 + 0.82j), "knight × 1": (0.51 + 0.4j, 0.31 - 0.08j)},
             brighter=8,
             aside=True,
             size=NARROW,
