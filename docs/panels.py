@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from povgen import Chess, Scene, Spheres, render
+from povgen.optics.faces import GlassSheet
+from povgen.optics.prism import Prism
+from povgen.optics.trace import trace
 from povgen.paper import agreement
 from povgen.rendering.light import mixed
 from povgen.scene.camera import window
@@ -20,15 +23,18 @@ from povgen.video.overlay import annotated
 from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, TEXT, text_width, write
 
-# of a panel, of a low and of a tall one, and of a picture with one
-SIZE, LOW, TALL, WIDE = (480, 480), (480, 384), (520, 720), (968, 410)
+# of a panel, of a low one, of two tall ones, of a slim one, and of a picture with one
+SIZE, LOW, TALL, NARROW, SLIM, WIDE = (480, 480), (480, 384), (520, 720), (340, 720), (240, 480), (968, 410)
 VIEW = 3.5  # tiles
-PART, TIMES = 36, 5  # side of the part that is magnified, pixels, and how many times larger it is
+PART, TIMES = 40, 4  # side of the part that is magnified, pixels, and how many times larger it is
 GAP = 8  # between two panels, pixels
 LETTERS = 24  # height of the text on a picture and below it, pixels
 FINER = 4  # lines are drawn on a grid of pixels that is finer by this factor, for smooth edges
-ORANGE = (213, 94, 0)
-LEADER = ("white", 5), (DARK, 2)  # colours and widths of a line from a name to a place
+ORANGE, BLUE = (213, 94, 0), (0, 72, 140)
+PAPER, GLASS = (232, 236, 240), (190, 213, 236)  # of a drawing
+# colours and widths of a line from a name to a place, and of one from a name on dark ground
+LEADER, PALE_LEADER = (("white", 5), (DARK, 2)), ((STRIP, 5), ("white", 2))
+DARK_GROUND = 130  # below this mean of a picture's bytes, names are white
 Point = tuple[float, float]  # of a picture, pixels
 Picture = NDArray[np.uint8]
 
@@ -40,11 +46,11 @@ class Panel(NamedTuple):
     text: str
     line: Sequence[complex] = ()
     dashes: Sequence[Sequence[complex]] = ()  # the ends of each
-    names: Mapping[str, tuple[complex, ...]] = {}  # the middle of each, and where the line from it ends, if it has one
+    names: Mapping[str, tuple[complex, ...]] = {}  # the middle of each, and the ends of the lines from it
     magnify: complex | None = None  # the middle of the part that is shown larger, at the left
     overlay: bool = False
     side_view: bool = False  # below all panels
-    section: str = ""  # what the section of a prism, drawn at the lower left, says of the top face
+    section: str = ""  # the prisms' tops, in a drawing of a prism below the panel
     brighter: float = 1  # factor of the light in the window
     aside: bool = False  # only beside what an ideal sheet would show before black
     size: tuple[int, int] = SIZE
@@ -93,7 +99,7 @@ WHITE = Chess(
     glass="N-SF11",
     wavelength="white",
 )
-POLARISED = CHESS.replace(background="white", floor="none", polariser=0, analyser=0)
+POLARISED = Chess(prisms=250, background="white", floor="none", view=3.3, polariser=0, analyser=0)
 CROSSED = POLARISED.replace(analyser=90)
 
 
@@ -106,7 +112,11 @@ def measured(scene: Chess) -> str:
 
 PANELS: dict[str, list[Panel]] = {
     "prisms": [
-        Panel(Chess(prisms=12, z1=2.5), "α = 66°: 12 prisms in each sheet"),
+        Panel(
+            Chess(prisms=12, z1=2.5, view=4.14),  # the frame, though nearer, looks as large as the others'
+            "α = 66°: 12 prisms in each sheet",
+            names={"inside of the frame": (-0.76 - 1.63j, -1.64 - 1.165j)},
+        ),
         Panel(FINE, "100 prisms", names={"stray light": (-0.93 + 1.24j, -1.1 + 0.5j)}, magnify=0.05 - 0.69j),
         Panel(FINE.replace(sheet="ideal"), "infinitely many: the ideal sheet"),
     ],
@@ -124,8 +134,8 @@ PANELS: dict[str, list[Panel]] = {
         ),
     ],
     "black-tops": [
-        Panel(CHESS, "clear prisms", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}, section="clear top"),
-        Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black top"),
+        Panel(CHESS, "clear prisms", names={"stray light": (-0.75 + 1.2j, -1.05 + 0.7j)}, section="clear"),
+        Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black"),
     ],
     "ideal": [
         Panel(ASIDE.replace(sheet="none"), "without sheets", names={"eye": (0.38 + 0.15j,)}, overlay=True),
@@ -187,12 +197,19 @@ PANELS: dict[str, list[Panel]] = {
         )
     ],
     "lenticular": [
-        Panel(BUILT.replace(prisms=150), "Dove prisms, α = 66°: sharp"),
-        Panel(BUILT.replace(sheet="lenticular", lenses=150), "cylindrical lenses, f/3: blurred"),
         Panel(
-            BUILT.replace(sheet="lenticular", lenses=150, f_number=6),
+            BUILT.replace(prisms=200),
+            "Dove prisms, α = 66°: sharp",
+            names={"stray light": (0.68 - 0.02j, 0.78 - 0.9j, 0.97 - 0.35j)},
+        ),
+        Panel(BUILT.replace(sheet="lenticular", lenses=200), "cylindrical lenses, f/3: blurred"),
+        Panel(
+            BUILT.replace(sheet="lenticular", lenses=200, f_number=6),
             "lenses, f/6: sharper, but with ghosts",
-            names={"ghost": (-0.72 + 0.28j, -0.62 + 0.7j), "another ghost": (-0.61 - 0.22j, -0.55 - 0.68j)},
+            names={
+                "ghosts": (-0.75 + 0j, -0.62 + 0.6j, -0.58 - 0.55j),
+                "more ghosts": (0.57 + 0.12j, 0.6 + 0.5j, 0.65 - 0.75j),
+            },
         ),
     ],
 }
@@ -202,23 +219,37 @@ OTHERS: dict[str, list[Panel]] = {
         Panel(
             WHITE.replace(sheet="lenticular", lenses=500, f_number=6),
             "lenses: blurred, coloured edges, ghosts",
-            names={"ghost": (-0.7 + 0.5j, -0.52 + 0.65j), "another ghost": (0.35 - 1.15j, -0.05 - 0.95j)},
+            names={
+                "ghost": (0.19 + 0.82j, -0.17 + 0.61j),
+                "another ghost": (0.38 - 1.2j, -0.03 - 0.94j),
+                "brightness × 1.5": (0.44 + 1.1j,),
+                "× 1": (-0.72 - 0.31j,),
+            },
             magnify=-0.04 - 0.085j,
+            brighter=1.5,
             size=TALL,
         ),
         Panel(
-            WHITE.replace(prisms=500),
-            "prisms: sharp, only stray light coloured",
-            names={"stray light, 8 × brighter": (0.28 + 0.35j, 0.06 + 0.55j)},
+            WHITE.replace(prisms=500, look=(0.25, -0.05)),
+            "prisms: sharp, no ghosts",
+            names={"stray light × 8": (0.49 + 0.96j, 0.07 + 0.82j), "knight × 1": (0.51 + 0.4j, 0.31 - 0.08j)},
             brighter=8,
             aside=True,
-            size=TALL,
+            size=NARROW,
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "parallel polarisers: 34 % passes"),
-        Panel(CROSSED, "crossed polarisers: 1.5 %, and stray light"),
-        Panel(CROSSED, "crossed, 10 × brighter", names={"stray light": (0.85 - 0.15j, 1.1 - 1.15j)}, brighter=10),
+        Panel(POLARISED, "parallel polarisers: 34 % passes", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
+        Panel(CROSSED, "crossed: 1.5 %", size=SLIM),
+        Panel(
+            CROSSED,
+            "crossed, 6 × brighter",
+            names={
+                "designed light": (-0.86 + 0.38j, -0.03 - 0.2j),
+                "stray light": (0.72 - 1.31j, -0.31 - 1.27j, 1.1 - 0.86j, 1.48 - 1.07j),
+            },
+            brighter=6,
+        ),
     ],
     "pupil": [
         Panel(PUPIL, "α = 0°: sharp"),
@@ -250,8 +281,6 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
     if shown.line:
         _lines(image, [[*map(pixels, shown.line)]], ("white", 6), (ORANGE, 3))
     _lines(image, [[*map(pixels, ends)] for ends in shown.dashes], *LEADER)
-    if shown.section:
-        _section(image, shown.section)
     if shown.magnify is not None:
         _magnify(image, scene.replace(view=scene.view * PART / height, look=shown.magnify), pixels(shown.magnify), look)
     for name, places in shown.names.items():
@@ -260,7 +289,8 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
     texts = [text] if text else []
     caption = Caption(texts, texts, LETTERS / (TEXT * height))
     rendering = Rendering(size=shown.size, caption="short", overlay=shown.overlay)
-    return annotated(np.asarray(image), scene, rendering, caption, said=[])
+    made = annotated(np.asarray(image), scene, rendering, caption, said=[])
+    return np.concatenate((made, _section(shown.section, width))) if shown.section else made
 
 
 def _lines(image: Image.Image, lines: Sequence[Sequence[Point]], *strokes: tuple[Any, float]) -> None:
@@ -273,40 +303,56 @@ def _lines(image: Image.Image, lines: Sequence[Sequence[Point]], *strokes: tuple
         image.paste(colour, mask=mask.reduce(FINER))
 
 
-def _name(image: Image.Image, name: str, middle: Point, end: Point | None = None) -> None:
-    """Write a name on a picture, with a line from its upper or lower edge, or from its side, to an `end`."""
-    (x, y), half = middle, LETTERS * text_width(name) / 2
-    if end:
-        reach = np.array((half + 5, 0.6 * LETTERS))
-        start = np.clip(np.subtract(end, middle), -reach, reach) + middle
-        _lines(image, [[tuple(start), end]], *LEADER)
-    write(ImageDraw.Draw(image), x - half, y, name, LETTERS, edge=2)
+def _name(image: Image.Image, name: str, middle: Point, *ends: Point) -> None:
+    """Write a name on a picture, white on dark ground, with lines from its edge to the `ends`."""
+    reach = np.array((LETTERS * text_width(name) / 2 + 5, 0.6 * LETTERS))
+    low, high = middle - reach, middle + reach
+    dark = bool(np.mean(image.crop((*low, *high)).convert("L")) < DARK_GROUND)
+    for end in ends:
+        _lines(image, [[tuple(np.clip(end, low, high)), end]], *(PALE_LEADER if dark else LEADER))
+    write(ImageDraw.Draw(image), low[0] + 5, middle[1], name, LETTERS, edge=2, dark=not dark)
 
 
-def _section(image: Image.Image, text: str) -> None:
-    """Draw the section of a Dove prism, with the light's path, at the lower left of a picture."""
-    left, right, top, base = 38, 178, 396, 438
-    slant = base - top  # the facets have 45 degrees
-    draw = ImageDraw.Draw(image)
-    draw.rectangle([left - 14, top - 44, right + 14, base + 14], fill=(95, 104, 118))
-    corners: list[Point] = [(left, base), (left + slant, top), (right - slant, top), (right, base)]
-    draw.polygon(corners, fill=(150, 175, 200))
-    y, middle = base - slant / 3, (left + right) / 2  # where light meets the facets, and the base
-    path = [(left - 14, y), (left + base - y, y), (middle, base), (right - base + y, y), (right + 14, y)]
-    _lines(image, [path], (ORANGE, 3))
-    _lines(image, [corners[1:3]], ("black" if text.startswith("black") else "white", 6))
-    write(draw, middle - LETTERS * text_width(text) / 2, top - 24, text, LETTERS)
+def _section(top: str, width: int) -> Picture:
+    """Return a drawing of a Dove prism, with a "clear" or a "black" top, and of two paths of light through it."""
+    image, prism = Image.new("RGB", (width, 128), PAPER), Prism(1.0)
+
+    def pixels(places: Sequence[complex]) -> list[Point]:
+        return [(56 * z.real + 160, 70 - 56 * z.imag) for z in places]
+
+    base, tip, half = prism.length / 2, prism.top_length / 2, 0.5j * prism.height
+    corners = pixels([-base - half, -tip + half, tip + half, base - half])
+    ImageDraw.Draw(image).polygon(corners, fill=GLASS)
+    _lines(image, [[*corners, corners[0]]], (DARK, 1.5))
+    black = top == "black"
+    designed, stray = pixels(_path(0, 0, 3)), pixels(_path(-0.13, -0.21, 3 if black else 5))
+    for path, colour in ((designed, ORANGE), (stray[: -1 if black else None], BLUE)):
+        _lines(image, [path], (colour, 3))
+    if black:
+        _lines(image, [corners[1:3]], ("black", 8))
+    texts = {f"{top} top: {'absorbs' if black else 'reflects'}": (160, 18), "designed light": (374, designed[-1][1])}
+    for text, middle in (texts if black else {**texts, "stray light": (344, 113)}).items():
+        _name(image, text, middle)
+    return np.asarray(image)
+
+
+def _path(height: float, slope: float, faces: int) -> list[complex]:
+    """Return the places, in the section of a prism, where light starts, meets each of some faces, and is at last."""
+    start, way, sheet = np.array([[0, height, 2.6]]), np.array([[0, slope, -1]]), GlassSheet(0, 0, Prism(1.0))
+    # a trace of at most n faces ends on the n-th
+    rays = [trace(start, way, (sheet,), 1, most=most) for most in range(1, faces + 1)]
+    places = [start, *(ray.position for ray in rays), rays[-1].position + 0.45 * rays[-1].direction]
+    return [complex(-z, y) for ((_, y, z),) in places]
 
 
 def _magnify(image: Image.Image, part: Chess, middle: Point, look: Mapping[str, Any]) -> None:
     """Show a small part of a picture larger, rendered for its size, at the left edge."""
     (x, y), half, large = middle, PART / 2, PART * TIMES
-    left, top = 10, round(y - large / 2)
+    left, top = 44, round(y - large / 2)
     sides = [[(x - half, y + way * half), (left + large, y + way * large / 2)] for way in (-1, 1)]
-    _lines(image, sides, (DARK, 5), ("white", 2))
-    draw = ImageDraw.Draw(image)
-    draw.rectangle([x - half, y - half, x + half, y + half], outline="white", width=2)
-    draw.rectangle([left - 2, top - 2, left + large + 1, top + large + 1], fill="white")
+    square = [(x + across * half, y + down * half) for across, down in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))]
+    _lines(image, [*sides, square], (DARK, 5), ("white", 2))
+    ImageDraw.Draw(image).rectangle([left - 2, top - 2, left + large + 1, top + large + 1], fill="white")
     image.paste(Image.fromarray(render(part, size=(large, large), **look)), (left, top))
 
 
