@@ -285,9 +285,9 @@ function drawVotes(question) {
     return { row: element("label", {}, element("span", {}, choice), field, element("span", { className: "track" }, ...bars), share), bars, share };
   });
   const show = () => rows.forEach(({ bars, share }, k) => {
-    const shares = rounds.map((round) => round[k] / round.reduce((sum, x) => sum + x, 0) || 0);
-    bars.forEach((bar, m) => (bar.style.width = `${100 * shares[m]}%`));
-    share.textContent = rounds.flat().some(Boolean) ? shares.map(percent).join(" → ") : "";
+    const shares = rounds.map((round) => round[k] / round.reduce((sum, x) => sum + x, 0));  // NaN before anybody votes
+    bars.forEach((bar, m) => (bar.style.width = `${100 * (shares[m] || 0)}%`));
+    share.textContent = rounds.flat().some(Boolean) ? shares.map((x) => (Number.isNaN(x) ? "–" : percent(x))).join(" → ") : "";
   });
   const again = element("button", { type: "button", textContent: say("asking.vote_again"), hidden: rounds.length > 1 });
   again.addEventListener("click", () => {

@@ -1,7 +1,7 @@
 // The work of a lesson: measurements, votes and answers. The browser keeps it for the page's address, also of a file.
 
-import { element } from "./data.js";
-import { localised, separator } from "./language.js";
+import { $, element } from "./data.js";
+import { localised, say, separator } from "./language.js";
 
 // Votes and answers are by the names of the questions. An answer: the last prediction; whether the first one was right, null if
 // the answer was shown without one; and whether it is shown. `own`: the texts of a teacher's own questions among them.
@@ -55,6 +55,7 @@ export function csvOf(rows) {
 export function saveTable(download, rows) {
   const named = work.student ? rows.map((row, n) => [n ? work.student : "student", ...row]) : rows;
   element("a", { href: `data:text/csv;charset=utf-8,${encodeURIComponent(`\ufeff${csvOf(named)}`)}`, download }).click();
+  $("spoken").textContent = say("kept.saved", { file: download });
 }
 
 export function clear() {

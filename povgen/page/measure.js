@@ -45,6 +45,7 @@ let placed = "";    // the settings for which the points were placed
 let written = "";   // the settings of the last row, until a point is moved
 let told = "";      // the settings whose answer is shown
 const present = () => JSON.stringify(pick(state, "scene", ...SETTINGS));
+export const pointsAsked = () => (shown && placed !== present() ? [say("measure.move_first")] : []);
 const isNew = () => placed === present() && written !== placed;
 
 export function drawMeasure(now) {

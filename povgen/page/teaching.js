@@ -58,7 +58,8 @@ export function drawPlace() {
   document.body.classList.toggle("stepping", shown);
   session.about = slide && !question && sheet === state.sheet ? Object.keys(slide.setting).findLast((name) => name in SYMBOL) ?? "" : "";
   $("lesson-name").hidden = !slide || question || state.question >= 0;
-  $("lesson-name").style.visibility = shown && !isToBeFound() ? "" : "hidden";  // it keeps its room while a slider moves
+  $("lesson-name").style.visibility = isToBeFound() ? "hidden" : "";  // it keeps its room
+  $("lesson-name").classList.toggle("changed", !shown);
   write("lesson-name", slide && !question ? slide.called() : "");
   write("lesson-place", `${at < 0 ? "–" : at + 1}/${SLIDES.length}`);
   for (const button of steppers) button.disabled = !stepTo(button);
@@ -128,6 +129,7 @@ async function drawTasks({ steps }) {
   $("task-name").replaceChildren(blank(say("teaching.name")), blank(say("teaching.date")));
   $("task-setting").textContent = settingSaid(moment());
   const now = moment(), { nu, turned = nu, sheet } = now;
+  $("task-pictures").hidden = sheet === "none";  // page 1 has it
   for (const part of document.querySelectorAll(".measured")) part.hidden = ["none", "single"].includes(sheet) || !Number.isFinite(turned);
   $("task-measured").replaceChildren(...["<i>ν</i> =", `${say("page.size")} =`].map(blank));
   $("task-picture").src = await taskPicture(now.scene, true);

@@ -152,8 +152,20 @@ const taken = ({ target }) => {
 for (const event of ["input", "change"]) document.addEventListener(event, taken, true);
 // What is pressed is where it was until it is released: without the guided start, parts of the page have other places.
 for (const [event, parts] of [["pointerdown", "#stage, [type=range]"], ["click", "#stage, button, input, select"]]) {
-  document.addEventListener(event, (what) => what.target.closest?.(parts) && taken(what), true);
+  document.addEventListener(event, (what) => what.target.closest?.(parts) && !isTouch(what) && taken(what), true);
 }
+// A finger on the picture, or on a slider, may only scroll the page: it takes over when it moves what is there.
+/** @param {any} event */
+const isTouch = ({ pointerType, target }) => pointerType === "touch" && target.closest("#stage, [type=range]");
+let finger = null;
+for (const event of ["pointerdown", "pointerup", "pointercancel"]) {
+  document.addEventListener(event, (what) => (finger = event === "pointerdown" && isTouch(what) ? what : null), true);
+}
+document.addEventListener("pointermove", ({ clientX, clientY }) => {
+  if (!finger || Math.hypot(clientX - finger.clientX, clientY - finger.clientY) < 8) return;
+  taken(finger);
+  finger = null;
+}, true);
 document.addEventListener("keydown", (event) => {
   if (tour.step < 0) return;
   if (event.key === "Escape") tour.leave();

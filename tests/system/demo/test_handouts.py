@@ -89,7 +89,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     expect(lesson).to_have_text(re.compile(r"Stunde\s+12/16"))
     expect(page.locator("input[type=range]:visible")).to_have_id("slider-z1")  # what the step is about
     assert page.evaluate("povgen.player.player.preset.parameter") == "z1"  # which Play moves
-    expect(page.get_by_text("Weit weg: Der Springer dreht sich um die Hälfte von α")).to_be_visible()
+    expect(page.get_by_text("α = 90°, weit weg: Der Springer dreht sich um die Hälfte von α")).to_be_visible()
     page.keyboard.press("PageUp")
     page.wait_for_function("povgen.questions.isAsked()")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+11/16"))

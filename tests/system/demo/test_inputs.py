@@ -141,7 +141,7 @@ def test_few_large_prisms_push_eye_and_object_away(page):
 @pytest.mark.parametrize("level", ["simple", "expert"])
 def test_one_sheet_has_no_angle_and_two_sizes(page, level):
     show(page, sheet="single", z1=2, z2=6, level=level)
-    expect(page.locator("#value-nu")).to_have_text("no angle: it is mirrored")
+    expect(page.locator("#value-nu")).to_have_text("no angle: the light is mirrored")
     expect(page.locator("#about-nu")).to_be_empty()
     expect(page.locator("#value-bare")).to_have_text("width × 1, height × 2")
     expect(page.locator("#about-bare")).to_be_hidden()

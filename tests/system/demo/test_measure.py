@@ -120,8 +120,10 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     measure.get_by_role("button", name="Show the answer").press("Enter")
     expect(measure.locator("#sentence")).to_contain_text("turned by 18.4°")
     expect(measure.locator("#overlay .caption")).to_contain_text("ν = 18.4°")
+    measure.evaluate("$('put-on').click(); draw()")
     show(measure, alpha=91)
     expect(measure.locator("#sentence")).to_be_empty()
+    expect(measure.locator("#spoken")).to_contain_text("First drag A, B and C onto the piece.")  # anew
     show(measure, alpha=90)
     label = measure.locator("#plot-nu").get_attribute("aria-label")
     assert label == "ν over α. By the equation, ν is now 18.4°. Measured points: 1."

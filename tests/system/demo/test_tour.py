@@ -173,6 +173,20 @@ def test_who_moves_something_takes_over(tour):
     tour.get_by_role("button", name="More").click()
 
 
+def test_a_finger_takes_over_when_it_moves_something(tour):
+    """A tap, or the beginning of a swipe that scrolls the page, ends nothing."""
+    tour.evaluate("tour.paused = true; tour.go(2); draw()")
+    step = """(types) => {
+      const finger = { pointerId: 1, isPrimary: true, bubbles: true, pointerType: "touch", clientY: 200 };
+      for (const [type, x] of types) stage.dispatchEvent(new PointerEvent(type, { ...finger, clientX: 200 + x }));
+      draw();
+      return tour.step;
+    }"""
+    assert tour.evaluate(step, [["pointerdown", 0], ["pointermove", 5], ["pointerup", 5], ["click", 5]]) == 2
+    assert tour.evaluate(step, [["pointerdown", 0], ["pointercancel", 5], ["pointermove", 30]]) == 2
+    assert tour.evaluate(step, [["pointerdown", 0], ["pointermove", 30], ["pointerup", 30]]) == -1
+
+
 def test_a_step_waits_until_its_picture_can_be_drawn(tour):
     tour.evaluate("view.drawn = null; tour.go(0); tour.passed = 0; tour.paused = false")
     passed = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(tour.passed))))"
