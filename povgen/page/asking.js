@@ -258,7 +258,7 @@ list.addEventListener("beforetoggle", () => list.replaceChildren(...offered().ma
     list.hidePopover();
     goTo(n);
   };
-  return element("li", {}, element("button", { type: "button", textContent: ask(QUESTIONS[n]), ariaCurrent: String(n === state.question), onclick: open }));
+  return element("li", {}, element("button", { type: "button", textContent: `${work.answers[QUESTIONS[n].name] ? "✓ " : ""}${ask(QUESTIONS[n])}`, ariaCurrent: String(n === state.question), onclick: open }));
 })));
 
 on("other-questions", "click", () => openQuestion(QUESTIONS.findIndex(({ own }) => Boolean(own) !== Boolean(QUESTIONS[state.question].own))));

@@ -12,7 +12,7 @@ import { drawOverlay, overlay } from "./overlay.js";
 import { ofKind } from "./phrases.js";
 import { player } from "./player.js";
 import { svg } from "./shapes.js";
-import { change, OPENING, replace, session, state } from "./state.js";
+import { CAMERAS, change, OPENING, replace, session, state } from "./state.js";
 
 let failure = ["", ""];  // why there is no picture, and what the browser says
 
@@ -95,6 +95,7 @@ on("reset", "click", () => {
   player.pause();
   [session.explored, session.own, session.lastQuestion] = [null, {}, 0];  // the page's questions, also where the address has a teacher's own
   replace(OPENING);
+  [session.camera, session.zoom] = [CAMERAS.corner, 1];
   player.reset();
 });
 

@@ -184,6 +184,7 @@ def test_a_challenge_is_done_when_the_settings_rest_where_its_goal_is(page):
     page.evaluate("openQuestion(0); draw()")
     page.locator("#question-count").click()
     expect(page.locator("#question-list button")).to_have_count(15)
+    expect(page.locator("#question-list button", has_text="✓")).to_have_count(3)  # those that have been answered
     page.get_by_role("button", name="Challenge: where must your eye be").click()
     expect(page.locator("#ask")).to_be_focused()
     page.evaluate("draw()")
