@@ -255,7 +255,7 @@ def test_the_chart_of_builds_counts_those_that_are_seen(figures, tmp_path):
     charts.save_builds(tolerance.Change(*[values] * 4), given, tmp_path / "builds.png")
     ax = figures[0].axes[0]
     assert sum(bar.get_height() for bar in ax.patches) == 99 and ax.get_ylabel() == "builds, of 100; not seen: 1"
-    assert [text.get_text() for text in ax.texts] == ["50 %: 0.51", "95 %"]
+    assert [text.get_text() for text in ax.texts] == ["50 %: 0.51", "95 %: 0.96"]
     assert ax.get_title("left") == "95 % of the builds: displaced by at most 0.96 arcminutes"
     rows = (tmp_path / "builds.csv").read_text("utf-8").splitlines()
     assert rows[1] == '"displaced, arcminutes",0.01' and rows[-2] == '"turned, degrees",nan'

@@ -193,7 +193,7 @@ def test_every_number_of_a_scene_can_be_swept():
         ("piece=1:2", "parameter = 'piece': cannot be swept; allowed: alpha, prisms, index"),
         ("alpha=1,2:3,4", "alpha = (1.0, 2.0): allowed: a number"),
         ("alpha=0:90 alpha=0:9", "parameter = 'alpha': swept more than once"),
-        ("alpha=0:9:cubic", "sweep = 'alpha=0:9:cubic': spacing = 'cubic': should be 'linear' or 'log'"),
+        ("alpha=0:9:cubic", "spacing = 'cubic': unknown (spacing of the values: linear or log)"),
         ("eye=0,1:1,1:log", "spacing = 'log': not for points; allowed: linear"),
     ],
 )
