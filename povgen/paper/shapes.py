@@ -100,12 +100,14 @@ def faces(ax: Axes, corners_of_each: Iterable[Sequence[Point]], colour: str, opa
 def path(ax: Axes, points: Iterable[Point], colour: str, width: float, dashes: str = "-", head: bool = False) -> None:
     """Draw a line through points of space, with an arrowhead at its end if `head`."""
     drawn = np.array([projected(point) for point in points])
-    end = drawn[-1].copy()
     if head:
-        step = (drawn[-1] - drawn[-2]) / np.linalg.norm(drawn[-1] - drawn[-2])
-        drawn[-1] -= 0.15 * step  # the line ends in the head, not at its tip
-        start = end - 1e-3 * step
-        arrow(ax, (start[0], start[1]), (end[0], end[1]), colour, 0)
+        *_, start, end = drawn
+        ax.update_datalim(drawn)  # it does not know arrows
+        if dashes == "-":
+            drawn = drawn[:-1]  # the arrow is the last part of the line, which would reach beyond its tip
+        else:
+            start = end - 1e-3 * (end - start)  # the arrow is a head alone, which has no dashes
+        arrow(ax, (start[0], start[1]), (end[0], end[1]), colour, width)
     ax.plot(*drawn.T, dashes, color=colour, linewidth=width, solid_joinstyle="round")
 
 
