@@ -62,6 +62,7 @@ def smaller(code):
     code = re.sub(r"(povgen movie .*--quality draft)", r"\1 --frames 4", code)
     code = code.replace('quality="high"', 'quality="high", size=(96, 72)').replace("(640, 480)", "(96, 72)")
     code = code.replace("--quality draft", "--quality draft --size 96x72").replace("STEPS = 10", "STEPS = 2")
+    code = code.replace("10_000_000", "1_000_000")  # rays
     code = code.replace('"quality": "draft"', '"quality": "draft", "size": (96, 72)').replace(
         "(3840, 2160)", "(96, 54)"
     )
