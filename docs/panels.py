@@ -223,7 +223,7 @@ OTHERS: dict[str, list[Panel]] = {
                 "ghost": (0.19 + 0.82j, -0.17 + 0.61j),
                 "another ghost": (0.38 - 1.2j, -0.03 - 0.94j),
                 "brightness × 1.5": (0.44 + 1.1j,),
-                "× 1": (-0.72 - 0.31j,),
+                "enlarged × 4": (-0.545 - 0.47j,),
             },
             magnify=-0.04 - 0.085j,
             brighter=1.5,
@@ -239,7 +239,7 @@ OTHERS: dict[str, list[Panel]] = {
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "parallel polarisers: 34 % passes", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
+        Panel(POLARISED, "parallel: 34 % of designed light", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
         Panel(CROSSED, "crossed: 1.5 %", size=SLIM),
         Panel(
             CROSSED,

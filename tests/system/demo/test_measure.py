@@ -177,6 +177,7 @@ def test_a_row_is_filled_by_hand_saved_and_removed(measure):
     with measure.expect_download() as download:
         measure.get_by_role("button", name="Save CSV").click()
     assert download.value.suggested_filename == "povgen.csv"
+    expect(measure.locator("#spoken")).to_have_text("Saved: povgen.csv")
     measure.get_by_role("button", name="Remove row 1").click()
     assert measure.evaluate("rows.length") == 0
     expect(measure.locator("#save-csv")).to_be_disabled()

@@ -250,6 +250,7 @@ def test_votes_are_counted(page):
     assert page.evaluate("state.alpha") == 5  # work in another window asks nothing anew
     page.get_by_role("button", name="Vote again").click()  # after a discussion
     expect(page.locator("#votes input").first).to_be_focused()
+    assert page.locator("#votes output").all_text_contents() == ["60% → –", "15% → –", "25% → –"]
     for field, votes in zip(page.locator("#votes input").all(), ("18", "2", "0"), strict=True):
         field.fill(votes)
     assert page.locator("#votes output").all_text_contents() == ["60% → 90%", "15% → 10%", "25% → 0%"]
