@@ -6,7 +6,7 @@ from conftest import some
 
 from povgen import PovrayError, Rendering, to_pov
 from povgen.measure import probes
-from povgen.measure.probes import APERTURE, VIEW, Directions, PiecePositions, Positions
+from povgen.measure.probes import APERTURE, VIEW, Directions
 from povgen.optics import equations
 from povgen.optics.prism import Prism
 from povgen.optics.trace import End
@@ -14,27 +14,6 @@ from povgen.rendering import povray
 from povgen.scene import camera, survey
 
 SIZE = (320, 240)
-
-
-def test_positions_to_16_bits():
-    scene = Positions(sheet="none", z1=3, L=0.5 + 0.2j, extent=0.4)
-    (decoded,) = probes.decoded([scene], SIZE)
-    pixels = scene.camera.pixels(SIZE)
-    on = ~np.isnan(decoded[..., 0])
-    there = pixels[on] * 9 / 6 - scene.L
-    assert abs(decoded[on][:, 0] + 1j * decoded[on][:, 1] - there).max() < 1e-4
-    expected = (abs((pixels * 1.5 - scene.L).real) < 0.4) & (abs((pixels * 1.5 - scene.L).imag) < 0.4)
-    assert (on == expected).mean() > 0.999
-
-
-def test_a_piece_shows_positions_on_it():
-    scene = PiecePositions(sheet="none", piece="king", z1=3)
-    (decoded,) = probes.decoded([scene], SIZE)
-    on = ~np.isnan(decoded[..., 0])
-    x, y, z = decoded[on].T
-    seen = scene.E + (scene.L + x + 1j * y - scene.E) * scene.z2 / (scene.z2 + scene.z1 + z)
-    assert abs(seen - scene.camera.pixels(SIZE)[on]).max() < 1e-3
-    assert y.min() >= -1e-3 and 1.5 < y.max() < 2 and abs(x).max() < 0.45
 
 
 def test_a_ray_that_misses_an_edge_does_not_end_povray():
