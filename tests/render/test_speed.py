@@ -1,19 +1,14 @@
 """`povgen chart` with few and small pictures, and the charts of docs/speed.md."""
 
-import shutil
-
 import charts as benchmark
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from conftest import PROJECT
 
-from povgen import Chess, to_pov
+from povgen import Chess
 from povgen.cli.app import app
 from povgen.measure import charts, speed
 from povgen.measure.plotting import table_rows
-
-TABLES = PROJECT / "docs" / "chart"
 
 
 @pytest.fixture
@@ -60,20 +55,3 @@ def test_picture_error():
     outside = white.copy()
     outside[:5] = 0  # not in the window
     assert speed.picture_error(outside, white, scene) == (0, 0)
-
-
-def test_prisms_by_hand_are_povgens():
-    ours = speed.sample(to_pov(Chess()), "off", (160, 120))[1]
-    assert {*benchmark.baselines()} == {"intersections", "prisms"}
-    for name, macro in benchmark.baselines().items():
-        theirs = speed.sample(to_pov(Chess(), sheet_macro=macro), "off", (160, 120))[1]
-        assert speed.picture_error(theirs, ours, Chess())[0] < 0.02, name
-
-
-@pytest.mark.release
-def test_the_charts_of_the_page_are_drawn_from_their_tables(tmp_path):
-    for file in (*TABLES.glob("*.csv"), TABLES / "machine.txt"):
-        shutil.copy(file, tmp_path)
-    benchmark.draw(tmp_path)
-    drawn = {path.name for path in tmp_path.glob("*.png")}
-    assert drawn == {"prisms.png", "beyond.png", "workers.png"} | {path.name for path in TABLES.glob("frames-*.png")}
