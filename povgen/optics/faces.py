@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.optics.prism import MOST_DEVIATION, Prism
-from povgen.optics.profile import Edge, Profile, dove
+from povgen.optics.profile import Edge, Profile
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -233,9 +233,8 @@ class ProfileCells(_Cells):
     cell: Any = None  # if `is_mismatched`: each ray's cell; the number is its lower border, in periods from the middle
 
     @classmethod
-    def of(cls, shapes: list[Prism | Profile], window: float) -> "ProfileCells":
-        """Return the profiles of sheets with these shapes, one for each sheet, in windows with this side."""
-        profiles = [dove(shape) if isinstance(shape, Prism) else shape for shape in shapes]
+    def of(cls, profiles: list[Profile], window: float) -> "ProfileCells":
+        """Return the profiles of sheets, one for each sheet, in windows with this side."""
         one, many = profiles[0], [*dict.fromkeys(profiles)]
         if len(many) == 1:
             return cls(many, None, one.pitch, one.length / 2, one.index, -window / 2)

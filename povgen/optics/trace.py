@@ -146,7 +146,10 @@ def trace(
 
 
 def _glass(sheets: tuple[GlassSheet, ...], window: float) -> PrismCells | ProfileCells:
-    """Return what a ray meets in the sheets. Raises ValueError for sheets through which no ray can be followed."""
+    """Return what a ray meets in the sheets: all of prisms, or all of profiles.
+
+    Raises ValueError for sheets through which no ray can be followed.
+    """
     shapes = dict.fromkeys(sheet.shape for sheet in sheets)
     for name, value in (("window", window), *(("pitch", shape.pitch) for shape in shapes)):
         if not value > 0:
@@ -159,8 +162,8 @@ def _glass(sheets: tuple[GlassSheet, ...], window: float) -> PrismCells | Profil
         least = before.centre + before.reach(window) + sheet.reach(window)
         if sheet.centre < least - 1e-9 * window:  # for rounding
             raise ValueError(f"centre = {sheet.centre:g}: overlaps the sheet before; allowed: {least:g} or more")
-    if len(prisms) < len(sheets):
-        return ProfileCells.of([sheet.shape for sheet in sheets], window)
+    if profiles := [sheet.shape for sheet in sheets if isinstance(sheet.shape, Profile)]:
+        return ProfileCells.of(profiles, window)
     unequal = any(sheet.facets or sheet.pitches for sheet in sheets)
     return UnequalPrismCells.of_sheets(sheets, prisms, window) if unequal else PrismCells.of(prisms, window)
 

@@ -1,7 +1,5 @@
 """Pairs of sheets that are not built exactly: the ray trace, the prediction, sensitivities and random builds."""
 
-from math import asin, cos, radians, sin
-
 import numpy as np
 import pytest
 from conftest import PROJECT, refusal
@@ -19,33 +17,6 @@ from povgen.scene import quantities
 from povgen.scene.quantities import traced_image
 
 FINE = Chess(prisms=1000, alpha=90, z1=10, z2=10)
-
-
-@pytest.mark.parametrize("tilt", [(0.3, 0), (0, 0.3), (-0.2, 0.1)])
-def test_a_tilted_sheet_turns_light_by_twice_the_tilt_about_its_ridges(tilt):
-    """Along z light meets the sheet at the tilt; about the normal to the ridges it acts as a slab of glass."""
-    tilt = tuple(np.radians(tilt))
-    place = np.random.default_rng(1).uniform(-1, 1, (2000, 2))
-    start = np.column_stack((place, np.full(2000, -5)))
-    rays = trace(start, [[0, 0, 1]], (GlassSheet(0.0, 0.0, Prism(0.01), tilt=tilt),), 3.0)
-    assert rays.designed.mean() > 0.8
-    slope = rays.direction[rays.designed][:, :2] / rays.direction[rays.designed][:, 2:]
-    np.testing.assert_allclose(slope, [(0, -np.tan(2 * tilt[0]))] * len(slope), atol=3e-5)
-    across = paraxial.layer(GlassSheet(0.0, 0.0, Prism(0.01), tilt=tilt))
-    np.testing.assert_allclose(slope, [across[2:4, 4]] * len(slope), atol=3e-5)
-
-
-def test_a_tilt_and_the_opposite_rotation_of_the_rays_are_the_same():
-    sheet = GlassSheet(0.4, 0.2, Prism(0.1), tilt=(0.1, -0.2))
-    rng = np.random.default_rng(2)
-    start = np.column_stack((rng.uniform(-0.2, 0.2, (300, 2)), np.full(300, -4.0)))  # far from the frame
-    direction = np.column_stack((rng.uniform(-0.1, 0.1, (300, 2)), np.ones(300)))
-    tilted = trace(start, direction, (sheet,), 3.0)
-    middle = np.array([0, 0, 0.2])
-    plain = trace((start - middle) @ sheet.axes.T, direction @ sheet.axes.T, (GlassSheet(0.4, 0.0, Prism(0.1)),), 3.0)
-    assert (tilted.end == plain.end).all() and (tilted.faces == plain.faces).all()
-    np.testing.assert_allclose(tilted.position, plain.position @ sheet.axes + middle, atol=1e-12)
-    np.testing.assert_allclose(tilted.direction, plain.direction @ sheet.axes, atol=1e-12)
 
 
 def test_a_tilt_of_both_sheets_displaces_the_object():
@@ -78,27 +49,6 @@ def test_the_prediction_knows_the_error(error):
     effect = abs(traced_image(wrong).position - traced_image(FINE).position)
     assert (effect > 0.005) is (error in ("turn", "tilt_x", "tilt_y", "far_tilt_x", "separation"))
     assert abs(traced_image(wrong).position - predicted) < 0.1 * effect + 5e-4
-
-
-def test_facets_that_differ_turn_light_as_snells_law_says():
-    """Of light along z: refraction at the near facet, reflection at the base, refraction at the far facet."""
-    shape, half = Prism(0.1, index=1.6, base_angle=40), radians(0.2)
-    sheet = GlassSheet(0.0, 0.0, shape, facets=half, seed=(4, 1))
-    lowest, bottoms, angles = single_prisms(sheet, 3.0)
-    assert lowest <= 0 and lowest + len(angles) >= 30 and abs(angles - radians(40)).max() <= 4 * half
-    np.testing.assert_allclose(bottoms, -1.5 + 0.0005 + 0.1 * (lowest + np.arange(len(bottoms))), atol=1e-12)
-    assert angles.std() == pytest.approx(half, rel=0.2) and abs(np.corrcoef(angles.T)[0, 1]) < 0.4
-    for number in range(30):  # the light of one prism after the other
-        y = -1.5 + (number + np.linspace(0.1, 0.9, 50)) * shape.pitch
-        start = np.column_stack((np.zeros(50), y, np.full(50, -5.0)))
-        rays = trace(start, [[0, 0, 1]], (sheet,), 3.0)
-        near, far = angles[number - lowest]
-        slope = np.pi / 2 - near - asin(cos(near) / shape.index)  # angle to z in the glass, behind the base
-        out = np.pi / 2 - far + asin(shape.index * sin(slope + far - np.pi / 2))
-        np.testing.assert_allclose(
-            np.arctan2(rays.direction[rays.designed, 1], rays.direction[rays.designed, 2]), out, atol=1e-12
-        )
-        assert rays.designed.sum() > 20
 
 
 def test_a_seed_gives_the_same_prisms_in_every_version():

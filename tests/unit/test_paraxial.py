@@ -1,13 +1,10 @@
 """The prediction for prisms of finite size: eq. 7 in the limit, and the exact ray trace."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
-from conftest import glass, mirrored_position
+from conftest import glass
 
-from povgen.optics import apparent, paraxial
-from povgen.optics.faces import GlassSheet
+from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair, trace
 
@@ -46,26 +43,6 @@ def test_an_object_at_infinite_alpha_appears_at_infinity(z1):
     A, B = apparent.depths(z1, glass(6, np.array([alpha.real, -alpha.real]), prism))
     assert (alpha.imag == 0) == (z1 > 5)
     assert abs(A) == pytest.approx(abs(B)) if z1 > 5 else (abs(A) > abs(B)).all()
-
-
-def test_one_sheet_shows_an_object_where_rays_of_the_exact_trace_meet(rng):
-    """Along the ridges and, on average over the prisms, across them."""
-    z1, z2, window, E = 3.0, 8.0, 2.4, 0.1 + 0.2j
-    prism = Prism(window / 50)
-    P = rng.uniform(-0.4, 0.4, (20_000, 2)) @ (1, 1j)
-    direction = np.column_stack(((P - E).real, (P - E).imag, np.full(len(P), z2)))
-    rays = trace([[E.real, E.imag, -z2]], direction, (GlassSheet(0.0, 0.0, prism),), window)
-    end = rays.position + ((z1 - rays.position[:, 2:]) / rays.direction[:, 2:]) * rays.direction
-    D, slope = (end @ (1, 1j, 0) - E)[rays.designed], ((P - E) / z2)[rays.designed]
-    along, across = np.polyfit(slope.real, D.real, 1)[0], np.polyfit(slope.imag, D.imag, 1)[0]
-    L = E + complex(along, across)
-    sheet = SimpleNamespace(transfer=paraxial.transfer([GlassSheet(0.0, 0.0, prism)]))
-    assert apparent.position(L, E, z1, [(z2, sheet)]) == pytest.approx(
-        mirrored_position(L, E, z1, z2, prism), rel=1e-12
-    )
-    seen = (mirrored_position(L, E, z1, z2, prism) - E) / z2
-    assert seen.real == pytest.approx(1, abs=0.05 * prism.slab_shift / (z1 + z2))
-    assert seen.imag == pytest.approx(1, abs=0.01)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -115,19 +115,6 @@ def test_the_general_trace_agrees_with_that_of_prisms(prism):
     np.testing.assert_allclose(general.direction[out], special.direction[out], atol=1e-10)
 
 
-def test_prisms_beside_another_profile():
-    """Two sheets of different kinds: the trace takes the prisms as a profile too, and finds what each does alone."""
-    prism, lens = Prism(0.03), confocal().scaled(0.05)
-    origin, direction = fan(1000, 0.1)
-    both = trace(origin, direction, (GlassSheet(0.3, -0.3, prism), GlassSheet(0.0, 0.3, lens)), 2.4)
-    first = trace(origin, direction, (GlassSheet(0.3, -0.3, prism),), 2.4)
-    on = first.end == End.THROUGH
-    then = trace(first.position[on], first.direction[on], (GlassSheet(0.0, 0.3, lens),), 2.4)
-    same = both.end[on] == End.THROUGH
-    assert same.mean() > 0.8
-    np.testing.assert_allclose(both.direction[on][same], then.direction[same], atol=1e-9)
-
-
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("shape", [confocal, lenticulars])
 def test_confocal_lenses_multiply_the_slope_and_ghosts_add_to_it(shape, ratio):

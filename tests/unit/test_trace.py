@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from povgen.optics import equations
 from povgen.optics.faces import Face, GlassSheet
 from povgen.optics.polarisation import reflection
 from povgen.optics.prism import Prism
@@ -107,18 +106,6 @@ def test_a_reversed_ray_retraces_its_path(alpha, prisms, window, gap, index, bas
     assert (~again).sum() <= 2
 
 
-def test_no_ray_is_lost():
-    origin, direction = fan(20000, eye=(0.4, -0.2, -2.0))
-    rays = trace(origin, direction, pair(0.7, COARSE), WINDOW, most=250)
-    assert (rays.end != End.UNFINISHED).all()
-    np.testing.assert_allclose(np.linalg.norm(rays.direction, axis=1), 1, rtol=1e-12)
-    assert (rays.direction[rays.end == End.THROUGH, 2] > 0).all() and (
-        rays.direction[rays.end == End.BACK, 2] < 0
-    ).all()
-    edge = np.abs(rays.position[rays.end == End.FRAME, :2]).max(axis=1)
-    assert (edge >= WINDOW / 2 - 1e-12).all()
-
-
 @pytest.mark.parametrize(
     ("origin", "direction"),
     [
@@ -161,28 +148,6 @@ def test_a_ray_that_every_face_reflects():
     np.testing.assert_allclose(rays.position[0, :2], [0.1, y], atol=1e-14)
     part = [(np.abs(reflection(1, 1.5, np.cos(angle))) ** 2).mean() for angle in (pi / 4, 0, pi / 4)]
     assert rays.light[0] == pytest.approx(np.prod(part))
-
-
-def test_light_on_the_designed_path_with_partial_reflection():
-    """Each ray's part of the light is the product of what its faces let pass; so many of the rays take the path."""
-    alpha, prism = np.radians(66), Prism(WINDOW / 100)
-    origin, direction = fan(60000)
-    window = pair(alpha, prism), WINDOW
-    all_light = trace(origin, direction, *window)
-    passing = trace(origin, direction, *window, partial=Fixed(1.0))
-    assert not passing.reflected.any() and (passing.faces == all_light.faces).all() and (all_light.light == 1).all()
-    k, expected = -equations.rotate(direction, alpha), np.ones(len(direction))  # light before the sheets
-    for angle in (0, alpha / 2):  # it meets both facets of a sheet at the same angle, and is mirrored
-        across = np.array([-np.sin(angle), np.cos(angle), 0])
-        amplitudes = reflection(1, prism.index, (abs(k[:, 2]) - k @ across) / np.sqrt(2))
-        expected *= (1 - (np.abs(amplitudes) ** 2).mean(0)) ** 2
-        k = k - 2 * (k @ across)[:, None] * across
-    expected = expected[all_light.designed]
-    np.testing.assert_allclose(passing.light[all_light.designed], expected, rtol=1e-12)
-    drawn = trace(origin, direction, *window, partial=np.random.default_rng(3))
-    taken = drawn.designed[all_light.designed]
-    assert taken.mean() == pytest.approx(expected.mean(), abs=4 * np.sqrt(0.2 * 0.8 / len(taken)))
-    assert not (drawn.designed & ~all_light.designed).any()
 
 
 @pytest.mark.parametrize(
