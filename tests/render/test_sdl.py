@@ -1,22 +1,16 @@
 """The .pov text: legible, only what the scene shows, frames that differ only in their parameters."""
 
-import os
 import re
-import shutil
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from povgen import Chess, PovrayError, Rendering, Spheres, to_pov
+from povgen import Chess, Spheres, to_pov
 from povgen.inputs.pieces import PIECES
 from povgen.measure.probes import Directions, PiecePositions, Positions
-from povgen.rendering import povray
-from povgen.rendering.frames import read_png
-from povgen.scene import materials, sdl
-from povgen.scene.sdl import TEMPLATES, Mosaic
+from povgen.scene import sdl
+from povgen.scene.sdl import Mosaic
 from povgen.scene.survey import Survey
 
 FOUND = Survey(20, 0.5)  # no ray is traced for the trace level, which is only a number in the text
@@ -107,77 +101,13 @@ def test_parameters_name_their_unit():
                 assert "degrees" in line
 
 
-# within other parts, whose name a line of theirs is told by
-WITHIN = {
-    f"{name}.pov.j2"
-    for name in (
-        "header",
-        "command",
-        "glass",
-        "frame_section",
-        "frame_side",
-        "prism_pair",
-        "prism_shape",
-        "prism_sheet",
-    )
-}
-
-
-def test_every_part_begins_with_its_name():
-    for path in TEMPLATES.rglob("*.pov.j2"):
-        name = path.relative_to(TEMPLATES).as_posix()
-        if name not in WITHIN:
-            assert re.search(rf"^// ---- .* \({re.escape(name)}\) ----$", path.read_text(), flags=re.M), name
-
-
-@pytest.fixture
-def own_templates(tmp_path, monkeypatch):
-    """A copy of the templates, from which scenes are written in this test, and which is not compiled yet."""
-    folder = shutil.copytree(TEMPLATES, tmp_path / "templates", ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(sdl, "TEMPLATES", folder)
-    monkeypatch.setattr(sdl, "COMPILED", folder / "__pycache__")
-    sdl._environment.cache_clear()
-    yield folder
-    sdl._environment.cache_clear()
-
-
-def written():
-    """Return a scene's text from templates that no process has loaded yet."""
-    sdl._environment.cache_clear()
-    return to_pov(Spheres())
-
-
-def test_templates_are_compiled_once(own_templates, monkeypatch):
+def test_no_folder_for_compiled_templates(tmp_path, monkeypatch, request):
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
-    text, folder = written(), own_templates / "__pycache__"
-    before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
-    assert before and written() == text
-    assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
-    os.utime(Path(shutil.copy(sdl.__file__, own_templates)), (0, 0))
-    monkeypatch.setattr(sdl, "__file__", str(own_templates / "sdl.py"))  # the module that compiles has changed
-    assert written() == text
-    assert not {path.stat().st_mtime_ns for path in folder.iterdir()} & {*before.values()}
-    template = own_templates / "spheres.pov.j2"
-    template.write_text(template.read_text() + "// changed\n")
-    assert written() == text + "// changed\n"
-
-
-def test_no_folder_for_compiled_templates(own_templates, monkeypatch):
-    monkeypatch.setattr(sys, "dont_write_bytecode", False)
-    (own_templates / "__pycache__").symlink_to("missing")  # nobody can write there, not even root
-    assert written().startswith("//")
-
-
-def test_formulas_and_colour_maps_in_glsl():
-    assert materials.floats("2*pi*x2 + 13*A - 1.5*sin(17) + 1e-6") == "2.0*pi*x2 + 13.0*A - 1.5*sin(17.0) + 1e-6"
-    glsl = {"vec3": lambda *colour: np.array(colour), "mix": lambda a, b, t: a + t * (b - a), "clamp": np.clip}
-    for colours in materials.COLOUR_MAPS.values():
-        places = [float(place) for place in colours]
-        rgb = np.array([[float(part) for part in colour.split(",")] for colour in colours.values()])
-        expression = materials.interpolated(colours)
-        for value in np.linspace(-0.1, 1.1, 49):
-            wanted = [np.interp(value, places, rgb[:, k]) for k in range(3)]
-            assert eval(expression, glsl | {"value": value}) == pytest.approx(wanted, abs=1e-12)
+    (tmp_path / "compiled").symlink_to("missing")  # nobody can write there, not even root
+    monkeypatch.setattr(sdl, "COMPILED", tmp_path / "compiled")
+    request.addfinalizer(sdl._environment.cache_clear)
+    sdl._environment.cache_clear()
+    assert to_pov(Spheres()).startswith("//")
 
 
 def test_windows_of_equal_prisms_with_another_alpha_have_their_shapes():
@@ -185,37 +115,3 @@ def test_windows_of_equal_prisms_with_another_alpha_have_their_shapes():
     for last in ({"prisms": 50}, {"sheet": "lenticular"}):
         text = to_pov(Chess(z1=8, z2=10, window=[{"z": 2, "alpha": 120}, {"z": 4, **last}]), found=FOUND)
         assert text.count("Shape(Window, 100, 1.5, 45, 1, 0.01, 0)") == 2
-
-
-OBJECTS = "box|cone|cylinder|difference|light_source|mesh|object|plane|sky_sphere|sphere|union"
-
-
-@pytest.mark.release
-@pytest.mark.parametrize(
-    "scene",
-    [
-        Chess(),
-        Spheres(sheet="ideal", window="alpha=120,z=2", z1=(1, 3)),
-        Chess(sheet="single", background="white", z1=1),
-    ],
-    ids=lambda scene: f"{scene.name}-{scene.sheet}",
-)
-def test_every_object_changes_the_picture(scene, tmp_path):
-    """Without it the picture differs, or the text has an error, because a macro returns it."""
-    text = to_pov(scene)
-    found = [*re.finditer(rf"^( *)(?:{OBJECTS}) \{{(?: [^\n]*\}}$|\n.*?^\1\}}$)", text, re.M | re.S)]
-
-    def picture(n, text):
-        (tmp_path / f"{n}").mkdir()
-        return read_png(povray.run(text, Rendering(size=(320, 240), antialias="off"), tmp_path / f"{n}"))
-
-    def matters(n):
-        try:
-            return (picture(n, text[: found[n].start()] + text[found[n].end() :]) != whole).any()
-        except PovrayError:
-            return True
-
-    whole = picture("whole", text)
-    with ThreadPoolExecutor(4) as pool:
-        needed = pool.map(matters, range(len(found)))
-        assert len(found) > 4 and not [each[0] for each, is_needed in zip(found, needed, strict=True) if not is_needed]
