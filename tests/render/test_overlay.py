@@ -5,7 +5,6 @@ from math import radians
 
 import numpy as np
 import pytest
-from conftest import some
 
 from povgen import Chess, InputError, Piece, Room, Spheres
 from povgen.optics import equations
@@ -187,48 +186,6 @@ def test_the_caption_is_legible_and_whole(size):
             assert abs(rows[0] + rows[-1] - len(strip)) < 0.2 * len(strip)  # in the middle
 
 
-EXTREMES = [
-    Chess(alpha=-359.99, z1=5000, z2=0.5, predicted_image=True),
-    Spheres(alpha=-179.9, z1=[0.3, 6, 5000], z2=6.00001),
-    Spheres(sheet="single"),
-]
-
-
-@pytest.mark.parametrize("size", some([(320, 240), (240, 320), (480, 360), (1920, 1080)], 2))
-@pytest.mark.parametrize("scene", EXTREMES, ids=str)
-def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
-    """Nor into the text beside it, even if a number is longer than the space that is reserved for it."""
-    monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
-    ends, write = [], overlay.write
-
-    monkeypatch.setattr(overlay, "_letter", lambda *_: None)
-
-    def written(draw, x, middle, text, height):
-        ends.append(((draw, middle), x, x + text_width(text) * height))
-        write(draw, x, middle, text, height)
-
-    monkeypatch.setattr(overlay, "write", written)
-    for option in ({"caption": "full"}, {"overlay": True}):
-        ends.clear()
-        overlay.annotated(BLANK[size], scene, Rendering(size=size, **option))
-        assert min(start for _, start, _ in ends) >= 2 and max(end for _, _, end in ends) <= size[0] - 2
-        for (line, _, end), (next_line, start, _) in pairwise(ends):
-            assert line != next_line or start > end + 4
-
-
-def test_the_key_explains_each_colour_that_is_drawn():
-    for scene in (Chess(), Chess(sheet="single"), Spheres(), Chess(predicted_image=True), Spheres(z1=[3])):
-        rendering = Rendering(size=(640, 480), overlay=True)
-        colours = [colour for _, colour in overlay.legend(scene, rendering)]
-        curves = [colour for _, colour in overlay.loci(scene)]
-        assert colours[0] == overlay.P_COLOUR
-        assert [colour for colour in colours if colour in (overlay.ALPHA_COLOUR, overlay.R_COLOUR)] == curves
-        assert (overlay.IMAGE_COLOUR in colours) == getattr(scene, "predicted_image", False)
-        strip = parts(scene, overlay=True)[0].reshape(-1, 3)
-        for colour in colours:
-            assert (strip == colour[:3]).all(1).sum() > 8
-
-
 @pytest.mark.parametrize(
     ("scene", "name", "way"),
     [
@@ -250,18 +207,6 @@ def test_the_line_of_a_mirror_and_an_axis_is_drawn(scene, name, way, monkeypatch
         assert not len(place)
     noted = drawn(scene, note="a note")
     assert (noted == overlay.LINE_COLOUR[:3]).all(-1).any() == bool(name)
-
-
-@pytest.mark.parametrize("windows", ["", "alpha=0,z=3", "alpha=0,z=1;alpha=0,z=5"])
-@pytest.mark.parametrize("pieces", [{}, {"piece": ("king", "pawn"), "x": (-0.5, 0.5), "z1": (2, 4)}])
-def test_outlines_through_windows_that_turn_nothing_are_those_without_sheets(windows, pieces):
-    scene = Chess(sheet="ideal", alpha=0, window=windows.split(";") if windows else (), z2=8, **pieces)
-    drawn = []
-    for outline in ("predicted_image", "direct_image"):
-        picture = np.full((240, 320, 3), 120, np.uint8)
-        overlay._outline(scene, outline, picture)
-        drawn.append((picture != 120).any(-1))
-    assert drawn[0].sum() > 300 and (drawn[0] != drawn[1]).sum() < 0.02 * drawn[0].sum()
 
 
 def test_a_key_explains_outlines_with_a_caption_too():
@@ -287,30 +232,6 @@ def test_all_frames_of_a_movie_are_equally_high(scenes, options, monkeypatch):
     rendering = Rendering(size=size, **options)
     monkeypatch.setattr(still, "render_all", lambda scenes, *_: ([png] * len(views(s, rendering)) for s in scenes))
     assert len({made.shape for made in still.pictures(scenes, rendering, movie=True)}) == 1
-
-
-def test_the_letters_of_captions_are_in_their_fonts():
-    """None is drawn as the box that stands for a missing one."""
-    for font, texts in (
-        (_font(40), "".join(chr(code) for code in range(33, 127)) + "°₁₂–×"),
-        (_font(40, "symbol"), "αβνrxyzELMP"),
-    ):
-        missing = font.getmask("☃")
-        assert all(bytes(font.getmask(letter)) != bytes(missing) for letter in texts)
-
-
-def test_a_symbol_follows_the_text_before_it():
-    """Letters are as wide as the pixels of this size make them, so the gap is the same after a long text."""
-    placed = []
-
-    class Drawing:
-        def text(self, place, part, *, font, **look):
-            placed.append((place[0], part, font.getlength(part)))
-
-    overlay.write(Drawing(), 5, 10, "spheres on a line, the far ones at E", 19.7)
-    (start, words, wide), (symbol, name, _) = placed
-    assert (words, name) == ("spheres on a line, the far ones at ", "E")
-    assert symbol == start + wide
 
 
 @pytest.mark.parametrize("kind", ["short", "full"])
@@ -474,12 +395,6 @@ def refused_letter(letter):
     return False
 
 
-def test_a_letter_between_two_points_stands_beside_their_line():
-    picture = np.full((200, 200, 3), 120, np.uint8)
-    overlay._letter(picture, "P", 90 + 100j, [40 + 100j, 160 + 100j], np.linspace(40, 160, 60) + 100j)
-    assert np.flatnonzero((picture != 120).any((1, 2))).min() > 100
-
-
 @pytest.mark.parametrize(
     ("scene", "letters"),
     [
@@ -501,11 +416,15 @@ def test_points_in_the_window_have_their_letters(scene, letters, monkeypatch):
 
 
 KNIGHT_BESIDE = Chess(sheet="ideal", x=[0, 3.3], z1=[3, 3])
+EXTREME = Chess(alpha=-359.99, z1=5000, z2=0.5, predicted_image=True)
 WIDE = [
     (Chess(sheet="ideal"), {"caption": "full", "side_view": True, "note": "a note", "overlay": True}),
     (KNIGHT_BESIDE, {"caption": "short"}),
     (Room([Piece(z=2, name="mine")]), {"caption": "full", "side_view": True}),
-    (EXTREMES[0], {"caption": "full", "side_view": True, "overlay": True}),
+    (
+        Chess(alpha=-359.99, z1=5000, z2=0.5, predicted_image=True),
+        {"caption": "full", "side_view": True, "overlay": True},
+    ),
 ]
 
 

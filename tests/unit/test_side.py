@@ -75,25 +75,6 @@ def test_light_that_does_not_come_together_has_no_image():
         assert np.isnan(Chess(**values).image_plane([0.3j], 2)[0])
 
 
-@pytest.mark.parametrize(
-    "scene", [Chess(alpha=180), Chess(**TWO), Chess(alpha=180, z1=3, eye=(0, 0.7), z2=9), Spheres(alpha=180, z1=[3])]
-)
-def test_distances_have_one_scale(scene):
-    strip = side.side_view(scene, *SIZE)
-    assert strip.shape[1:] == (640, 3) and len(strip) % 2 == 0 and len(strip) <= side.MOST * SIZE[1]
-    shows = side.extent([scene])
-    pupil, sheets, (thing,), (image,) = (
-        middles(strip, colour) for colour in (side.EYE[2][2], side.SHEET, side.OBJECT, side.IMAGE)
-    )
-    found = np.array([*sheets, thing, image])
-    drawn = [shown(scene, colour) for colour in (side.SHEET, side.OBJECT, side.IMAGE)]
-    places = [shows.at((each.around.min(0) + each.around.max(0)) / 2) for several in drawn for each in several]
-    scale = (thing - image)[0] / (places[-2] - places[-1])[0]
-    assert sheets[0, 0] - pupil[0, 0] == pytest.approx(scale * scene.z2, abs=6)  # light ends on the cornea
-    assert np.ptp(found - scale * np.array(places) * (1, -1), axis=0).max() < 3
-    assert abs((strip == side.SHEET).all(-1).any(1).sum() - scale * scene.aperture) < 3 + 0.03 * scale
-
-
 @pytest.mark.parametrize("z", [0.5, 1.5, 2.5, 5])
 def test_rays_without_a_common_point_have_none_in_any_view(z):
     eyes, bends = np.array(
@@ -130,19 +111,6 @@ def test_an_eye_that_moves_sideways_is_seen_from_above():
     assert np.ptp(sheets, axis=0).max() == 0  # a movie keeps its scale
     scale = (sheets - eyes)[1, 0] / 8
     assert np.diff(eyes[:, 1]) == pytest.approx([0.8 * scale] * 2, abs=2)  # to the right is downwards
-
-
-def test_a_turned_window_is_to_scale_and_a_movie_keeps_its_scale():
-    movie = [Room([Window(yaw=yaw, frame=False), Box(x=3, z=z)], eye=Eye(z=-6)) for yaw, z in ((0, 2), (30, 4))]
-    shows = side.extent(movie)
-    assert shows.from_above and shows[:2] == (-6, 4.5)
-    strips = [side.side_view(room, *SIZE, shows) for room in movie]
-    assert strips[0].shape == strips[1].shape
-    boxes = [np.argwhere((strip == side.OBJECT).all(-1)) for strip in strips]
-    scale = np.diff([(box.min(0) + box.max(0))[1] / 2 for box in boxes])[0] / 2
-    for strip, yaw in zip(strips, np.radians((0, 30)), strict=True):
-        extent = np.ptp(np.argwhere((strip == side.SHEET).all(-1)), axis=0)
-        assert extent / scale == pytest.approx(3 * np.array([np.cos(yaw), np.sin(yaw)]), abs=0.1)
 
 
 def test_scenes_of_several_kinds_have_one_scale_and_what_is_far_is_left_out():
