@@ -11,7 +11,7 @@ from PIL import Image
 
 from povgen import Chess, movie, render, to_pov
 from povgen.errors import PovrayError
-from povgen.inputs.pieces import PIECES
+from povgen.inputs.pieces import PIECES, PieceFile, declared
 from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import equations
 from povgen.rendering import volumes
@@ -36,25 +36,6 @@ def test_a_piece_is_as_large_as_stated(piece):
     assert float(height) == PIECES[piece]["height"]
     assert abs(y.min()) < 0.02 and abs(y.max() - PIECES[piece]["height"]) < 0.02
     assert abs(np.hypot(x, z).max() - PIECES[piece]["radius"]) < 0.002
-
-
-@pytest.mark.parametrize("piece", PIECES)
-def test_the_stem_has_no_gap_above_the_foot(piece):
-    """It begins below the round rim of the foot's upper disc, which is 0.06 high from 0.09 on."""
-    text = to_pov(Chess(piece=piece))
-    (foot,) = re.findall(r"object { Foot\((.*)\) }", text)
-    radius, start = map(float, re.search(r"object { Turned\(<(.*?), (.*?)>", text).groups())
-    beyond = max(0, radius - (0.86 * float(foot) - 0.03))
-    assert start < 0.12 + np.sqrt(0.03**2 - beyond**2)
-
-
-@pytest.mark.parametrize("piece", some(["king", "rook"], 1))
-def test_no_dark_dots_on_a_turned_part(piece):
-    """Just above the foot, no pixel is darker than all around it: POV-Ray's own lathe had 13 such pixels here."""
-    picture = render(Chess(sheet="none", piece=piece, view=1.2), size=(320, 320), antialias="off")
-    light = picture[280:310, 100:220].astype(int).sum(-1)
-    around = [np.roll(light, (y, x), (0, 1)) for y in (-1, 0, 1) for x in (-1, 0, 1) if x or y]
-    assert light.std() > 60 and not (light < np.min(around, 0) - 60)[1:-1, 1:-1].any()
 
 
 def test_several_pieces_stand_where_each_is_put():
@@ -260,6 +241,7 @@ def test_a_piece_stays_on_its_tile(text, said, renderer, tmp_path):
         (b"// #declare Piece = 1\n/* #declare Piece = \n2 */", "declares Piece"),
         ("#declare Piece = sphere { 0, 1 } // \u00e4".encode("utf-16"), "UTF-8"),
         (b"#declare Piece = sphere { 0, 1 } // \0", "the control character"),
+        ("#declare Piece = sphere { 0, 1 } // \x9b[31m".encode(), "the control character"),
         (b"#declare Piece = sphere { 0, 1 }" + b"\n" * 2**20, "at most"),
         ("folder", "file"),
     ],
@@ -272,6 +254,26 @@ def test_a_file_that_is_no_piece_is_refused(tmp_path, content, said):
         path.write_bytes(content)
     message = refused(["pov", "chess", f"--piece={path}"], tmp_path)
     assert "piece = " in message and said in message and len(message.splitlines()) == 1
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_letters_of_older_editors(encoding, tmp_path):
+    text = CUBE + "// K\u00f6nig \u2013 \u201eroi\u201c\n"
+    (tmp_path / "own.inc").write_text(text, encoding)
+    assert Chess(piece=tmp_path / "own.inc").piece.text == text
+
+
+def test_the_names_that_a_piece_declares():
+    text = (
+        "#declare A = 1; # local b = array[1] {2} #macro M(P) #declare C[0] = 1; #end #for (K, 0, 1) #end // #declare D"
+    )
+    assert declared(text) == ["A", "C", "K", "M", "b"]
+    assert declared('#declare A = "#declare B \\" #declare C"; /* #declare D = 1 */ #declare E = 2;') == ["A", "E"]
+    source = to_pov(Chess(piece=[PieceFile("own.inc", CUBE + text + "\n"), "king"], x=[-1, 1]))
+    before, after = source.split(text)
+    for name in ("A", "C", "K", "M", "b", "Piece"):
+        assert f"\n#ifdef ({name}) #undef {name} #end\n" in after.partition("// ----")[0]
+    assert before.count("#declare") == 2  # OwnPiece_1 and Piece: no names yet
 
 
 @pytest.mark.release
