@@ -68,7 +68,7 @@ def test_the_designed_path_through_two_sheets_rotates_light_by_alpha(alpha):
     np.testing.assert_allclose(transverse(rays.direction)[rays.designed], turned[rays.designed], atol=1e-13)
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(
     alpha=st.floats(-2 * pi, 2 * pi),
     prisms=st.integers(2, 1000),
