@@ -23,8 +23,8 @@ from povgen.video.overlay import annotated
 from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, TEXT, text_width, write
 
-# of a panel, of a low one, of two tall ones, of a slim one, and of a picture with one
-SIZE, LOW, TALL, NARROW, SLIM, WIDE = (480, 480), (480, 384), (520, 720), (340, 720), (240, 480), (968, 410)
+# of a panel, of two tall ones, of a slim one, and of a picture with one
+SIZE, TALL, NARROW, SLIM, WIDE = (480, 480), (520, 720), (340, 720), (240, 480), (968, 410)
 VIEW = 3.5  # tiles
 PART, TIMES = 40, 4  # side of the part that is magnified, pixels, and how many times larger it is
 GAP = 8  # between two panels, pixels
@@ -59,9 +59,7 @@ class Panel(NamedTuple):
 CHESS = Chess(view=VIEW)
 FAR = CHESS.replace(alpha=90, z1=15)
 ASIDE = CHESS.replace(x=-0.6)  # from E, so that the knight hides neither E nor the curves
-LINE = Spheres(
-    alpha=120, view=2.8, look=(0, 0.35), line=(-0.7, 0.45), eye=(0.65, 0.45), z1=[6 * 2.0**n for n in range(-3, 4)]
-)
+LINE = Spheres(alpha=120, view=VIEW, line=(-0.7, 0.45), eye=(0.65, 0.45), z1=[6 * 2.0**n for n in range(-3, 4)])
 ENDS = {"near": (LINE.L - 0.42 - 0.3j,), "far": (LINE.E + 0.45 - 0.3j,)}
 # where the circle's other points are: a sphere would have to stand at a negative z1
 REST = LINE.L + (LINE.E - LINE.L) / (1 + np.exp(1j * np.radians(LINE.alpha)) / np.tan(np.linspace(-1.5, -0.07, 28)))
@@ -171,7 +169,6 @@ PANELS: dict[str, list[Panel]] = {
             "without sheets: spheres on a line",
             names={**ENDS, "far spheres are made larger": (-0.45j,)},
             overlay=True,
-            size=LOW,
         ),
         Panel(
             LINE.replace(sheet="ideal"),
@@ -184,7 +181,6 @@ PANELS: dict[str, list[Panel]] = {
                 "predicted": (-0.3j, -0.03 - 0.66j),
             },
             overlay=True,
-            size=LOW,
         ),
     ],
     "refraction": [

@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image, ImageCms, ImageOps
 
 from povgen import remedies
-from povgen.errors import one_line, shown
+from povgen.errors import shown
 from povgen.inputs import hdr, readers
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF")
@@ -25,7 +25,6 @@ MAX_MEMORY = 3 << 30  # bytes of address space
 MAX_TIME = 30  # seconds of CPU time
 EXR = b"v/1\x01"
 BAND = 256  # rows of a picture that are converted at once
-LISTED = 12  # channels that a message names
 SRGB_GAMMA = 0.45, 0.46  # of a PNG file: means sRGB
 CICP_SRGB = bytes((1, 13, 0, 1))  # the numbers of sRGB in a PNG file's chunk cICP
 ADOBE_RGB = 256 / 563, (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.329)  # gamma and chromaticities
@@ -172,51 +171,14 @@ def exr(path: Path) -> hdr.Light:
         import OpenEXR
     except ImportError:
         raise ValueError(f"needs OpenEXR, which is not installed: {remedies.extra('exr')}") from None
-    with OpenEXR.File(str(path), header_only=True) as file:
-        headers = [dict(file.header(k)) for k in range(len(file.parts))]
-    part, names = _channels([[channel.name for channel in header["channels"]] for header in headers])
-    header = headers[part]
-    if header["type"] in (OpenEXR.deepscanline, OpenEXR.deeptile):
-        raise ValueError("should be an EXR file without deep pixels")
-    if any((each.xSampling, each.ySampling) != (1, 1) for each in header["channels"] if each.name in names):
-        raise ValueError("should be an EXR file whose channels have all pixels, without subsampling")
-    windows = [header[name] for name in ("dataWindow", "displayWindow")]
-    (across, down), (width, height) = ((high - low + 1).astype(int).tolist() for low, high in windows)
-    check_size(width, height)
-    if across * down > hdr.MAX_PIXELS:
-        raise ValueError(f"should be a picture of at most {hdr.MAX_PIXELS} pixels")
-    with OpenEXR.File(str(path), separate_channels=True) as file:
-        channels = file.channels(part)
-        stored = np.dstack([channels[name].pixels for name in names]).reshape(down, across, 3)
-    # the picture is the display window; it is black where the file has no pixels
-    light = np.zeros((height, width, 3), np.float32)
-    left, top = (windows[0][0] - windows[1][0]).astype(int)
-    (x0, x1), (y0, y1) = np.clip((left, left + across), 0, width), np.clip((top, top + down), 0, height)
-    light[y0:y1, x0:x1] = stored[y0 - top : y1 - top, x0 - left : x1 - left]
-    return hdr.clipped(light, header.get("chromaticities", hdr.SRGB))
-
-
-def _channels(parts: Sequence[Sequence[str]]) -> tuple[int, list[str]]:
-    """Return the number of the part with the picture, and the names of its channels of red, green and blue.
-
-    `parts` has the names of each part's channels. The picture is the first part with R, G and B, or else the only
-    layer, or else Y alone, which is grey. Raises ValueError, which names the channels, if there is no such picture.
-    """
-    layers = [
-        (number, [f"{name[:-1]}{colour}" for colour in "RGB"])
-        for number, names in enumerate(parts)
-        for name in names
-        if name[-1:] == "R" and name[-2:-1] in ("", ".") and {f"{name[:-1]}G", f"{name[:-1]}B"} <= {*names}
-    ]
-    for layer in layers:
-        if layer[1] == ["R", "G", "B"] or len(layers) == 1:
-            return layer
-    for number, names in enumerate(parts):
-        if "Y" in names and not layers and not {"RY", "BY"} & {*names}:
-            return number, ["Y"] * 3
-    names = [name for part in parts for name in part]
-    listed = one_line(", ".join([*names[:LISTED], *["..."] * (len(names) > LISTED)]))
-    raise ValueError(f"should be an EXR file with the channels R, G and B, or one layer that has them, not {listed}")
+    with OpenEXR.File(str(path)) as file:  # when it is closed, what it has given is empty
+        header, channels = file.header(), file.channels()
+        windows = [np.array(header[name]).tolist() for name in ("dataWindow", "displayWindow")]
+        is_flat = header["type"] in (OpenEXR.scanlineimage, OpenEXR.tiledimage)
+        if not is_flat or windows[0] != windows[1] or not channels.keys() & {"RGB", "RGBA"}:
+            raise ValueError("should be an EXR file with the channels R, G and B of all its pixels, in its first part")
+        light = next(channels[name].pixels for name in ("RGB", "RGBA") if name in channels)
+        return hdr.clipped(light[..., :3].astype(np.float32), header.get("chromaticities", hdr.SRGB))
 
 
 if __name__ == "__main__":
