@@ -14,7 +14,6 @@ from povgen.measure import probes
 from povgen.measure.irradiance import irradiance
 from povgen.measure.measured import px, rms
 from povgen.measure.probes import Directions, Floats, Light, Mask, PiecePositions, Positions, Size, White
-from povgen.measure.rounding import decided_by_rounding
 from povgen.measure.targets import located, transverse, unit
 from povgen.optics import equations
 from povgen.optics.faces import Face
@@ -154,21 +153,14 @@ def change(scenes: Sequence[Positions], size: Size) -> Numbers:
 
 def pixels(scenes: Sequence[Directions], size: Size) -> Numbers:
     """Return how many percent of the pixels show the direction of the ray trace within 1e-3 rad: of those on the
-    designed path, and of all whose rays leave.
-
-    The third number is the percentage of differing pixels whose path rounding does not decide, the fourth the number of
-    differing pixels.
-    """
-    designed, agree, by_rounding = [], [], []
+    designed path, and of all whose rays leave."""
+    designed, agree = [], []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         rays = window_rays(scene, size)
         off = np.nan_to_num(np.linalg.norm(decoded[rays.inside] - rays.traced.direction, axis=1), nan=np.inf)
         designed.append((off < 1e-3)[rays.leaves & rays.traced.designed])
         agree.append((off < 1e-3)[rays.leaves])
-        by_rounding.append(decided_by_rounding(scene, rays.direction[rays.leaves & (off >= 1e-3)]))
-    differ = np.concatenate(by_rounding)
-    undecided = 100 * float((1 - differ).mean()) if len(differ) else 0.0
-    return 100 * np.concatenate(designed).mean(), 100 * np.concatenate(agree).mean(), undecided, len(differ)
+    return 100 * np.concatenate(designed).mean(), 100 * np.concatenate(agree).mean()
 
 
 def prediction(scenes: Sequence[Positions], size: Size) -> Numbers:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import povgen, refused, some
 
-from povgen.measure import compare, probes, rounding, stability, verify, verify_gl
+from povgen.measure import compare, probes, stability, verify, verify_gl
 from povgen.measure.measured import Measured
 from povgen.measure.plotting import Figure, name_lines
 from povgen.measure.stability_map import RENDERED, StabilityMap, draw_map, save_maps
@@ -302,13 +302,6 @@ def test_maps_are_drawn_and_tabled(all_maps, tmp_path):
     assert head == f"series,error that povgen states (px),{error}"
     assert len(rows) == 5 and rows[-1].startswith("# povgen record") and len(found) == (11 if all_maps else 1)
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
-
-
-def test_rounding_decides_for_few_rays():
-    """Of all rays, not of those that differ: else `verify` would excuse whatever POV-Ray does."""
-    for scene, most in ((probes.Directions(), 0.006), (probes.Directions(prisms=1000, z2=2), 0.25)):
-        _, direction = camera.rays(scene, (32, 24))
-        assert rounding.decided_by_rounding(scene, direction).mean() < most
 
 
 @pytest.mark.parametrize("prisms", [50, pytest.param(200, marks=pytest.mark.release)])
