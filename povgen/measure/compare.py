@@ -14,7 +14,7 @@ from povgen.measure import probes
 from povgen.measure.irradiance import irradiance
 from povgen.measure.measured import px, rms
 from povgen.measure.probes import Directions, Floats, Light, Mask, PiecePositions, Positions, Size, White
-from povgen.measure.targets import located, transverse, unit
+from povgen.measure.targets import located, unit
 from povgen.optics import equations
 from povgen.optics.faces import Face
 from povgen.optics.ghosts import Ghost, field
@@ -139,15 +139,6 @@ def parallax(scenes: Sequence[Positions], size: Size) -> Numbers:
     return (np.max(off),)
 
 
-def change(scenes: Sequence[Positions], size: Size) -> Numbers:
-    """Return the greatest change, px, of the position that a pixel shows, between two scenes."""
-    first, second = probes.decoded(scenes, size)
-    inside, _ = camera.rays(scenes[0], size)
-    moved = transverse(first - second)[inside & ~np.isnan(second[..., 0])]
-    scale = scenes[0].z2 / (scenes[0].z2 + scenes[0].z1)  # projected to the plane z = 0
-    return (px(np.nan_to_num(abs(moved), nan=np.inf).max() * scale) if len(moved) else np.nan,)
-
-
 # ---- Sheets of glass ----
 
 
@@ -247,21 +238,6 @@ def field_of_view(scenes: Sequence[AxialScene], size: Size) -> Numbers:
     """
     slopes = [field(confocal(f_number=scene.f_number)) / (scene.index / (4 * scene.f_number)) for scene in scenes]
     return (100 * max(abs(slope - 1) for slope in slopes),)
-
-
-def hyperbola(scenes: Sequence[Positions], size: Size) -> Numbers:
-    """Measure how a line perpendicular to a single sheet, through L, appears through it: as a hyperbola.
-
-    The line through L = X + iY appears as (x - X/2)(y - Y/2) = XY/4. Return, in px, the RMS distance of its points from
-    the fitted hyperbola, the distance of the hyperbola's centre from L/2, and how far it passes L.
-    """
-    L, position = scenes[0].L, np.array([seen.position for _, seen in located(scenes, size)])
-    x, y = position.real, position.imag
-    # x y = p x + q y + c
-    p, q, c = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
-    away = abs(x * y - (p * x + q * y + c)) / np.hypot(y - p, x - q)
-    at_sheet = (p * L.real + c) / (L.real - q)
-    return px(rms(away)), px(abs(q + 1j * p - L / 2)), px(abs(at_sheet - L.imag))
 
 
 def designed_fraction(scenes: Sequence[Directions], size: Size) -> Numbers:

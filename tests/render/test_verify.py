@@ -29,14 +29,12 @@ WAYS = {
     "pieces": (5, SMALL),
     "horizon": (5, SMALL),
     "parallax": (6, (240, 180)),
-    "change": (2, SMALL, SIZE),
     "pixels": (2, SMALL, SIZE),
     "prediction": (4, (240, 180)),
     "power_law": (24, SMALL),
     "ghosts": (1, (400, 250)),
     "screens": (3, SMALL),
     "field_of_view": (3, SMALL),
-    "hyperbola": (7, (240, 180)),
     "designed_fraction": (2, SMALL, SIZE),
 }
 # pictures that are large enough for the bounds of lines with these words
@@ -58,7 +56,7 @@ def reduced(way, every, rendered=False):
         yield replace(check, scenes=[check.scenes[n] for n in taken], size=size)
 
 
-RENDER = ("positions", "directions", "pieces", "change", "pixels")  # in every run of the tests; else with the release
+RENDER = ("positions", "directions", "pieces", "pixels")  # in every run of the tests; else with the release
 
 
 @pytest.mark.parametrize(
