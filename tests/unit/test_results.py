@@ -129,7 +129,7 @@ def test_items_of_a_process_that_fails_are_left_out(fault, monkeypatch):
 def test_what_no_other_process_computes_is_computed_here(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
     monkeypatch.setattr(module, "computed", lambda *_: {1: [7.0]})
-    scenes = [Chess(sheet="axis", axis=(0, 1, 0.1), alpha=alpha) for alpha in (0, 2, 5)]  # without a matrix
+    scenes = [Chess(sheet="ideal", alpha=alpha) for alpha in (0, 2, 5)]
     table = results(scenes, "x", workers=2, progress=False)
     assert table["x"][1] == 7 and table["x"][::2].tolist() == [results(each, "x")["x"][0] for each in scenes[::2]]
 
@@ -152,12 +152,8 @@ def test_a_parameter_with_the_name_of_a_quantity():
     assert results(scenes, "nu", progress=False)["x"].tolist() == [0, 0.5]
 
 
-def one_by_one(scenes, quantities):
-    return np.array(module.values_of(scenes, quantities)).T
-
-
 def test_many_scenes_at_once_are_those_one_by_one():
-    """Whatever differs, and however the scenes are given: a list of any scenes, or lists of values."""
+    """Whatever kind of sheets and of scene."""
     rng, quantities = np.random.default_rng(5), ("x", "y", "nu", "M", "visible")
     linear = [name for name in SHEETS if Chess(sheet=name).sheets[0].transfer is not None]
     kinds = [{"sheet": name} for name in linear] + [
@@ -166,22 +162,17 @@ def test_many_scenes_at_once_are_those_one_by_one():
         {"window": ["z=2,alpha=20", "z=4,sheet=single"], "prisms": 30},
         {"sheet": "axis", "window": "z=2.5,sheet=detailed", "axis": (0, 0, 1)},
     ]
-    scenes = []
     assert len(linear) > 8
     for kind in kinds:
         scene = [Chess(x=0.3, eye=(0.6, -0.2), **kind), Spheres(z1=(3, 6), z2=4, **kind)][rng.integers(2)]
         z1, alpha, z2 = rng.uniform(1, 5, 2), [0, 180, *rng.uniform(-360, 360, 2)], rng.uniform(3, 9, 2)
         every = [scene.replace(z1=b, alpha=a, z2=c) for b in z1 for a in alpha for c in z2]
-        expected = one_by_one(every, quantities)
+        expected = np.array(module.values_of(every, quantities)).T
         found = results(scene, *quantities, z1=z1, alpha=alpha, z2=z2, progress=False)
         assert list(found) == ["alpha", "z2", "z1", *quantities]
         np.testing.assert_allclose([found[name] for name in quantities], expected, 1e-12, 1e-12, err_msg=str(scene))
         for name in ("z1", "alpha", "z2"):
             assert found[name].tolist() == [getattr(each, name) for each in every]
-        scenes += every[:: rng.integers(2, 5)]
-    scenes = [scenes[n] for n in rng.permutation(len(scenes))]
-    found = results(scenes, *quantities, workers=1, progress=False)
-    np.testing.assert_allclose([found[name] for name in quantities], one_by_one(scenes, quantities), 1e-12, 1e-12)
 
 
 def test_lists_of_values():
