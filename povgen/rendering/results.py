@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from itertools import islice, product
+from itertools import chain, islice, product
 from math import prod
 from typing import Any
 
@@ -79,7 +79,8 @@ def results(
             else:
                 found[:] = _on_cluster(given, quantities, scheduler, done)
     columns = _columns(given, lists)
-    return Table(columns, dict(zip(quantities, found.T, strict=True)), given[0] if given else None)
+    lengths = {name: len(values) for name, values in lists.items()}
+    return Table(columns, dict(zip(quantities, found.T, strict=True)), given[0] if given else None, lengths)
 
 
 def values_of(scenes: Sequence[Scene], quantities: Sequence[str]) -> list[list[float]]:
@@ -125,8 +126,10 @@ def _of_sweep(scene: Scene, lists: Lists, quantities: Sequence[str]) -> Table | 
     """
     if not isinstance(scene, AxialScene) or type(scene) not in SCENES.values():
         return None
+    if not lists.keys() <= {*STACKED} or any(map(is_several, chain(*lists.values()))):
+        return None
     values = {name: np.asarray(each) for name, each in lists.items()}
-    plain = all(name in STACKED and each.dtype.kind in "iuf" and each.ndim == 1 for name, each in values.items())
+    plain = all(each.dtype.kind in "iuf" for each in values.values())
     outlined = getattr(scene, "predicted_image", False)  # not allowed at the pole
     moving = "z2" in lists and "z1" not in lists and getattr(scene, "z1", None) is None  # spheres, with the eye
     if not plain or outlined or moving:
@@ -140,7 +143,7 @@ def _of_sweep(scene: Scene, lists: Lists, quantities: Sequence[str]) -> Table | 
     if stack is None:
         return None
     found = {name: np.array(np.broadcast_to(QUANTITIES[name].of(stack), len(grid[0])), float) for name in quantities}
-    return Table(columns, found, scene)
+    return Table(columns, found, scene, {name: len(each) for name, each in lists.items()})
 
 
 def _first_z1(scene: AxialScene) -> float:

@@ -242,20 +242,27 @@ def test_a_dataset(tmp_path, monkeypatch):
 
 
 def test_the_dimensions_of_a_dataset():
-    """A grid in any order, with what depends on a parameter; otherwise one dimension."""
-    scene = Chess(sheet="ideal", fresnel=False)
-    scenes = [scene.replace(z2=z2, x=x, aperture=4) for z2 in (6, 30) for x in (1, 0)]
-    data = results([scenes[n] for n in (2, 0, 3, 1)], "x", progress=False).to_xarray()
-    assert data.scene_x.dims == ("scene_x",) and data.view.dims == ("z2",) and data.x.dims == ("z2", "scene_x")
-    units = {"z2": "tiles", "view": "tiles", "scene_x": "tiles", "x": "tiles"}
+    """The lists of values, and the columns along them; without lists one dimension."""
+    scene, eyes = Chess(sheet="ideal", fresnel=False), [(0, 0), (1, 0), (1, 1)]
+    data = results(scene, "x", z2=(30, 6), x=(1, 0), eye=eyes, progress=False).to_xarray()
+    assert data.x.dims == ("z2", "scene_x", "eye") and data.scene_x.dims == ("scene_x",)
+    assert data.eye_x.values.tolist() == [0, 1, 1] and data.eye_y.dims == ("eye",)
+    units = dict.fromkeys(("z2", "scene_x", "eye_x", "eye_y", "x"), "tiles")
     assert {name: each.attrs["units"] for name, each in data.variables.items()} == units
-    assert data.z2.values.tolist() == [30, 6] and data.x[1, 0] == scenes[0].apparent_position(scenes[0].L, 2).real
-    odd = results([*scenes[:3], Spheres(sheet="ideal", z1=2, error={"tilt_x": 1})], "M", progress=False).to_xarray()
-    assert dict(odd.sizes) == {"scene": 4} and odd.z2.dims == ("scene",) and "z2" in odd.coords
-    assert odd.scene.values.tolist() == ["chess"] * 3 + ["spheres"] and odd.error_tilt_x.attrs["units"] == "degrees"
-    assert results(scene, "M").to_xarray().M.shape == () and results([], "M").to_xarray().M.shape == (0,)
-    twice = results([scene, scene.replace(alpha=3), scene], "M", progress=False).to_xarray()
-    assert twice.M.dims == ("scene",)
+    assert data.z2.values.tolist() == [30, 6] and {"z2", "scene_x", "eye_x"} <= {*data.coords}
+    shown = scene.replace(x=1, eye=(1, 1))
+    assert float(data.x[1, 0, 2]) == pytest.approx(shown.apparent_position(shown.L, 2).real)
+    aside = results(scene, "nu", x=[(0, 1), (1, 2)], z1=[(2, 3)], window=[(), "z=2"], progress=False).to_xarray()
+    assert dict(aside.sizes) == {"x": 2, "z1": 1, "window": 2} and aside.x_2.dims == ("x",)
+    assert aside.z1_2.dims == ("z1",) and aside.window2_z.dims == ("x", "z1", "window")
+    room = Room([Window(name="left"), Sphere(z=2)])
+    turned = results(room, "x", **{"left.alpha": (0, 9), "eye.x": (0, 1)}, progress=False).to_xarray()
+    assert turned.x.dims == ("left_alpha", "eye_x") and turned.left_alpha.values.tolist() == [0, 9]
+    scenes = [scene, scene.replace(z2=7), Spheres(sheet="ideal", z1=2, error={"tilt_x": 1})]
+    odd = results(scenes, "M", progress=False).to_xarray()
+    assert dict(odd.sizes) == {"scene": 3} and odd.z2.dims == ("scene",) and "z2" in odd.coords
+    assert odd.scene.values.tolist() == ["chess"] * 2 + ["spheres"] and odd.error_tilt_x.attrs["units"] == "degrees"
+    assert results(scene, "M").to_xarray().M.shape == (1,) and results([], "M").to_xarray().M.shape == (0,)
 
 
 def test_rooms():
