@@ -203,22 +203,12 @@ def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, 
         parts = [scenes[start : start + size] for start in range(0, len(scenes), size)]
         try:
             answers = pool.map(lambda part: cluster.call(values_of, part, quantities), parts)
-            for part, answer in zip(parts, answers, strict=True):
-                if not _is_table(answer, len(part), len(quantities)):
-                    raise cluster.other_code(answer)
+            for answer in answers:
                 rows += answer
-                for _ in part:
+                for _ in answer:
                     done()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             cluster.stop()
             raise
     return rows
-
-
-def _is_table(answer: Any, height: int, width: int) -> bool:  # noqa: ANN401  (any object)
-    """Return whether an answer of a worker is a list of rows of numbers."""
-    try:
-        return isinstance(answer, list) and np.asarray(answer, float).shape == (height, width)
-    except (TypeError, ValueError):
-        return False
