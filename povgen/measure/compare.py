@@ -14,8 +14,7 @@ from povgen.measure import probes
 from povgen.measure.irradiance import irradiance
 from povgen.measure.measured import px, rms
 from povgen.measure.probes import Directions, Floats, Light, Mask, PiecePositions, Positions, Size, White
-from povgen.measure.rounding import decided_by_rounding
-from povgen.measure.targets import located, transverse, unit
+from povgen.measure.targets import located, unit
 from povgen.optics import equations
 from povgen.optics.faces import Face
 from povgen.optics.ghosts import Ghost, field
@@ -140,35 +139,19 @@ def parallax(scenes: Sequence[Positions], size: Size) -> Numbers:
     return (np.max(off),)
 
 
-def change(scenes: Sequence[Positions], size: Size) -> Numbers:
-    """Return the greatest change, px, of the position that a pixel shows, between two scenes."""
-    first, second = probes.decoded(scenes, size)
-    inside, _ = camera.rays(scenes[0], size)
-    moved = transverse(first - second)[inside & ~np.isnan(second[..., 0])]
-    scale = scenes[0].z2 / (scenes[0].z2 + scenes[0].z1)  # projected to the plane z = 0
-    return (px(np.nan_to_num(abs(moved), nan=np.inf).max() * scale) if len(moved) else np.nan,)
-
-
 # ---- Sheets of glass ----
 
 
 def pixels(scenes: Sequence[Directions], size: Size) -> Numbers:
     """Return how many percent of the pixels show the direction of the ray trace within 1e-3 rad: of those on the
-    designed path, and of all whose rays leave.
-
-    The third number is the percentage of differing pixels whose path rounding does not decide, the fourth the number of
-    differing pixels.
-    """
-    designed, agree, by_rounding = [], [], []
+    designed path, and of all whose rays leave."""
+    designed, agree = [], []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         rays = window_rays(scene, size)
         off = np.nan_to_num(np.linalg.norm(decoded[rays.inside] - rays.traced.direction, axis=1), nan=np.inf)
         designed.append((off < 1e-3)[rays.leaves & rays.traced.designed])
         agree.append((off < 1e-3)[rays.leaves])
-        by_rounding.append(decided_by_rounding(scene, rays.direction[rays.leaves & (off >= 1e-3)]))
-    differ = np.concatenate(by_rounding)
-    undecided = 100 * float((1 - differ).mean()) if len(differ) else 0.0
-    return 100 * np.concatenate(designed).mean(), 100 * np.concatenate(agree).mean(), undecided, len(differ)
+    return 100 * np.concatenate(designed).mean(), 100 * np.concatenate(agree).mean()
 
 
 def prediction(scenes: Sequence[Positions], size: Size) -> Numbers:
@@ -255,21 +238,6 @@ def field_of_view(scenes: Sequence[AxialScene], size: Size) -> Numbers:
     """
     slopes = [field(confocal(f_number=scene.f_number)) / (scene.index / (4 * scene.f_number)) for scene in scenes]
     return (100 * max(abs(slope - 1) for slope in slopes),)
-
-
-def hyperbola(scenes: Sequence[Positions], size: Size) -> Numbers:
-    """Measure how a line perpendicular to a single sheet, through L, appears through it: as a hyperbola.
-
-    The line through L = X + iY appears as (x - X/2)(y - Y/2) = XY/4. Return, in px, the RMS distance of its points from
-    the fitted hyperbola, the distance of the hyperbola's centre from L/2, and how far it passes L.
-    """
-    L, position = scenes[0].L, np.array([seen.position for _, seen in located(scenes, size)])
-    x, y = position.real, position.imag
-    # x y = p x + q y + c
-    p, q, c = np.linalg.lstsq(np.column_stack((x, y, np.ones(len(x)))), x * y, rcond=None)[0]
-    away = abs(x * y - (p * x + q * y + c)) / np.hypot(y - p, x - q)
-    at_sheet = (p * L.real + c) / (L.real - q)
-    return px(rms(away)), px(abs(q + 1j * p - L / 2)), px(abs(at_sheet - L.imag))
 
 
 def designed_fraction(scenes: Sequence[Directions], size: Size) -> Numbers:

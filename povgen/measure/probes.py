@@ -3,20 +3,17 @@
 A position in the picture is a complex number x + iy: tiles in the plane z = 0, x to the right, y up.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from povgen.errors import PovrayError
 from povgen.files import temporary_folder
 from povgen.optics.prism import Prism
-from povgen.rendering import povray
+from povgen.rendering import light, povray
 from povgen.rendering.parallel import thread_pool
 from povgen.scene.scenes import AxialScene, Chess
 from povgen.scene.sdl import to_pov
@@ -29,21 +26,6 @@ Mask = NDArray[np.bool_]
 Size = tuple[int, int]  # width and height, pixels
 
 APERTURE, VIEW = 2.4, 3.85  # side of the probes' window, and height of their picture in the plane z = 0, tiles
-
-
-class LinearRendering(Rendering):
-    """A rendering with 16-bit colours that are proportional to POV-Ray's own. Each pixel is one ray."""
-
-    @property
-    def file(self) -> str:
-        return "frame.ppm"
-
-    @property
-    def format(self) -> tuple[str, ...]:
-        return "+FP16", "File_Gamma=1.0"
-
-    def __init__(self, size: Size) -> None:
-        super().__init__(size=size, antialias="off")
 
 
 class _Probe(AxialScene):
@@ -141,21 +123,11 @@ def _colours(scenes: Sequence[AxialScene], size: Size) -> Iterator[Floats]:
 
     def rendered(source: str) -> Floats:
         with temporary_folder() as folder:
-            return _read(runner.run(source, LinearRendering(size), folder))
+            return light.read(runner.run(source, picture, folder), size).astype(float)
 
-    runner = povray.Runner()
+    runner, picture = povray.Runner(), povray.Band(size, Rendering().timeout, is_light=False)
     with thread_pool(runner) as pool:
         yield from pool.map(rendered, map(to_pov, scenes))
-
-
-def _read(path: Path) -> Floats:
-    """Return the colours, 0 to 1, of a 16-bit PPM file. Raises PovrayError if the file is not complete."""
-    data = path.read_bytes()
-    header = re.match(rb"P6\s(?:#.*\n)*(\d+) (\d+)\s(?:#.*\n)*65535\n", data)
-    width, height = (int(header[1]), int(header[2])) if header else (0, 0)
-    if header is None or len(data) != header.end() + 6 * width * height:
-        raise PovrayError("the picture is not whole (is the disk full?)")
-    return np.frombuffer(data, ">u2", offset=header.end()).reshape(height, width, 3) / 65535
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from povgen.measure.measured import Measured
-from povgen.measure.plotting import COLOURS, GREY, IDEAL, MARKS, Axes, drawn, name_lines, plain_ticks, save_table
+from povgen.measure.plotting import COLOURS, GREY, MARKS, Axes, drawn, name_lines, plain_ticks, save_table
 
 RENDERED = ", by POV-Ray"  # suffix of a series from POV-Ray's pictures, if another series is from the exact ray trace
 RESOLUTION = 0.011  # px, of positions in 16 bits
@@ -33,11 +33,10 @@ class StabilityMap:
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
-    y, in the same unit, and y/x is drawn. If `is_bars`, only the last row of each series is drawn. For the drawing:
-    `finding` is its title. `band` is where the method fails: on which side of which value, and what happens there.
-    `groups` are of series that are drawn as one, as their mean and range: by a pattern in their names, how they are
-    called. `dot` is the name of large dots, at the last row of each series from POV-Ray's pictures. `ends` are those of
-    the y axis. `limits` are what `limit` has found.
+    y, in the same unit, and y/x is drawn. For the drawing: `finding` is its title. `band` is where the method fails: on
+    which side of which value, and what happens there. `groups` are of series that are drawn as one, as their mean and
+    range: by a pattern in their names, how they are called. `dot` is the name of large dots, at the last row of each
+    series from POV-Ray's pictures. `ends` are those of the y axis. `limits` are what `limit` has found.
     """
 
     name: str
@@ -47,7 +46,6 @@ class StabilityMap:
     tolerance: float
     log_axes: str = ""
     is_estimate: bool = False
-    is_bars: bool = False
     finding: str = ""
     band: tuple[Literal["left", "right", "above"], float, str] | None = None
     groups: dict[str, str] = field(default_factory=dict)
@@ -101,20 +99,7 @@ def save_maps(maps: Iterable[StabilityMap], folder: Path, done: Callable[[Measur
 def draw(measured: StabilityMap, folder: Path) -> None:
     """Write a stability map as NAME.png."""
     with drawn(9, 5, folder / f"{measured.name}.png") as figure:
-        (draw_bars if measured.is_bars else draw_map)(figure.subplots(), measured)
-
-
-def draw_bars(ax: Axes, measured: StabilityMap) -> None:
-    """Draw y of the last row of each series as a bar, and x, which is an estimate of it, as a line across."""
-    rows = {name.replace("-", "−"): (x, y) for name, x, y in measured.rows}
-    names = sorted(rows, key=lambda name: rows[name][1])
-    stated, found = np.transpose([rows[name] for name in names])
-    places = np.arange(len(names))
-    ax.barh(names, found, color=IDEAL, alpha=0.6, label=measured.y.replace(" (px)", ""))
-    ax.vlines(stated, places - 0.4, places + 0.4, color="black", linewidth=3, label=measured.x.replace(" (px)", ""))
-    ax.set(xlabel=f"error (px), measured to {RESOLUTION:g} px", xlim=(0, 1.2 * found.max()))
-    ax.set_title(measured.finding, x=1, ha="right")
-    ax.legend(loc="lower right", fontsize=11)
+        draw_map(figure.subplots(), measured)
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:

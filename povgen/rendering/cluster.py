@@ -83,16 +83,8 @@ class Cluster:
         lost.
         """
         picture = folder / rendering.file
-        png = self.call(render, source, rendering, pictures.used(source))
-        if not isinstance(png, bytes):
-            raise self.other_code(png)
-        picture.write_bytes(png)
+        picture.write_bytes(self.call(render, source, rendering, pictures.used(source)))
         return picture
-
-    def other_code(self, answer: object) -> PovrayError:
-        """Return the error for an answer of another kind than wanted."""
-        kind = type(answer).__name__
-        return PovrayError(f"scheduler {self._scheduler}: a worker answered with a {kind}: its povgen has other code")
 
     def call(self, function: Callable[..., Result], *arguments: object) -> Result:
         """Return what a function of povgen returns on a worker.

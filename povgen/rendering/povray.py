@@ -243,7 +243,7 @@ class Runner:
         self._running: set[subprocess.Popen[bytes]] = set()
         self._stopped = False
 
-    def run(self, source: str, rendering: Rendering, folder: Path) -> Path:
+    def run(self, source: str, rendering: Rendering | Band, folder: Path) -> Path:
         """Render a scene's text in a work folder and return the picture's path. The picture has `rendering.size`.
 
         If POV-Ray is killed, takes too long or reports a timeout of its own, it is tried once more, because the scene
@@ -253,6 +253,7 @@ class Runner:
         attempts = count(1)
         shown_files = pictures.used(source)
         if rays := next((name for name in shown_files if name.startswith("rays-")), None):
+            assert isinstance(rendering, Rendering)
             return self._by_rays(source, rendering, folder.resolve(), shown_files, rays)
         path = tried(lambda: self._run(source, rendering, folder.resolve() / str(next(attempts)), shown_files))
         if rendering.is_light or rendering.supersampling > 1:

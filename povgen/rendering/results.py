@@ -4,16 +4,15 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from itertools import islice, product
+from itertools import chain, islice, product
 from math import prod
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
 from povgen.inputs.fields import as_tuple
-from povgen.optics.equations import Floats
 from povgen.progress import bar
 from povgen.record import recorded_call
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
@@ -21,7 +20,7 @@ from povgen.rendering.table import Table
 from povgen.scene.quantities import QUANTITIES, STACKED, parameters, stacked
 from povgen.scene.scene import Scene, checked_scene, checked_scenes, classes
 from povgen.scene.scenes import SCENES, AxialScene
-from povgen.validation import as_flag, hashable, is_several
+from povgen.validation import as_flag, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
 MOST = 200_000  # scenes of a table
@@ -50,11 +49,11 @@ def results(
     Lengths are in tiles, angles in degrees. A number that does not exist is NaN, a missing text is empty.
     `Table.to_xarray` returns the table as a dataset.
 
-    What equations give for scenes that differ in alpha, z1 and z2 is computed at once. For the rest, `workers`
-    processes compute at once, by default one for each core. With `scheduler`, the address of a Dask scheduler, its
-    workers compute all instead. `progress=False` shows no progress bar. Raises InputError for what is no scene or no
-    quantity, if no quantity is given, for a quantity that a room does not have, for values that are not allowed or no
-    lists, and for `workers` or a `scheduler` that is not allowed. Raises PovrayError if the cluster fails.
+    What equations give for lists of alpha, z1 and z2 is computed at once. For the rest, `workers` processes compute, by
+    default one for each core. With `scheduler`, the address of a Dask scheduler, its workers compute all instead.
+    `progress=False` shows no progress bar. Raises InputError for what is no scene or no quantity, if no quantity is
+    given, for a quantity that a room does not have, for values that are not allowed or no lists, and for `workers` or a
+    `scheduler` that is not allowed. Raises PovrayError if the cluster fails.
     """
     wrong = [name for name in quantities if not isinstance(name, str) or name not in QUANTITIES]
     if wrong or not quantities:
@@ -62,28 +61,26 @@ def results(
         raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
     count, scheduler = worker_count(workers) or cores(), checked_scheduler(scheduler)
     hidden = not as_flag("progress", progress)
-    at_once = scheduler is None and all(QUANTITIES[name].stacks for name in quantities)
     lists = _lists(swept)
     if lists:
         scene = _checked(scenes, quantities)
+        at_once = scheduler is None and all(QUANTITIES[name].stacks for name in quantities)
         if at_once and (table := _of_sweep(scene, lists, quantities)) is not None:
             return table
         scenes = [_with(scene, dict(zip(lists, values, strict=True))) for values in product(*lists.values())]
     given = checked_scenes(scenes if is_several(scenes) else [scenes], MOST)
     for each in given:
         _checked(each, quantities)
-    differ = _differing(given) if given else []
-    found = np.full((len(given), len(quantities)), np.nan)
-    left = _predict(given, differ, quantities, found) if at_once else [*range(len(given))]
-    if left:
-        some = [given[n] for n in left]
-        with bar("results", len(some), hidden, "scenes") as done:
+    found = np.zeros((len(given), len(quantities)))
+    if given:
+        with bar("results", len(given), hidden, "scenes") as done:
             if scheduler is None:
-                found[left] = _computed(some, quantities, count, done)
+                found[:] = _computed(given, quantities, count, done)
             else:
-                found[left] = _on_cluster(some, quantities, scheduler, done)
-    columns = _columns(given, differ, lists)
-    return Table(columns, dict(zip(quantities, found.T, strict=True)), given[0] if given else None)
+                found[:] = _on_cluster(given, quantities, scheduler, done)
+    columns = _columns(given, lists)
+    lengths = {name: len(values) for name, values in lists.items()}
+    return Table(columns, dict(zip(quantities, found.T, strict=True)), given[0] if given else None, lengths)
 
 
 def values_of(scenes: Sequence[Scene], quantities: Sequence[str]) -> list[list[float]]:
@@ -127,60 +124,31 @@ def _of_sweep(scene: Scene, lists: Lists, quantities: Sequence[str]) -> Table | 
 
     Only scenes with the least and the greatest values are made and checked: what is allowed is a range of each.
     """
+    if not isinstance(scene, AxialScene) or type(scene) not in SCENES.values():
+        return None
+    if not lists.keys() <= {*STACKED} or any(map(is_several, chain(*lists.values()))):
+        return None
     values = {name: np.asarray(each) for name, each in lists.items()}
-    plain = all(name in STACKED and each.dtype.kind in "iuf" and each.ndim == 1 for name, each in values.items())
+    plain = all(each.dtype.kind in "iuf" for each in values.values())
     outlined = getattr(scene, "predicted_image", False)  # not allowed at the pole
     moving = "z2" in lists and "z1" not in lists and getattr(scene, "z1", None) is None  # spheres, with the eye
-    if not plain or outlined or moving or not _is_known(scene):
+    if not plain or outlined or moving:
         return None
     for ends in product(*((each.min().item(), each.max().item()) for each in values.values())):
         scene.replace(**dict(zip(lists, ends, strict=True)))
     grid = [each.astype(float).ravel() for each in np.meshgrid(*values.values(), indexing="ij")]
     columns = {name: grid[[*lists].index(name)] for name in type(scene).model_fields if name in lists}
     own = {"alpha": scene.alpha, "z1": _first_z1(scene), "z2": scene.z2}
-    found = _of_stack(scene, {name: np.full(len(grid[0]), value) for name, value in own.items()} | columns, quantities)
-    return None if found is None else Table(columns, dict(zip(quantities, found, strict=True)), scene)
-
-
-def _of_stack(scene: AxialScene, values: Mapping[str, Floats], quantities: Sequence[str]) -> Floats | None:
-    """Return predictions (quantities, n) for n scenes with these values; None if the predictions take no arrays."""
-    stack = stacked(scene, values)
+    stack = stacked(scene, {name: np.full(len(grid[0]), value) for name, value in own.items()} | columns)
     if stack is None:
         return None
-    return np.array([np.broadcast_to(QUANTITIES[name].of(stack), values["z1"].shape) for name in quantities], float)
-
-
-def _is_known(scene: Scene) -> TypeGuard[AxialScene]:
-    """Return whether a scene is one of povgen's own, with windows on one axis."""
-    return isinstance(scene, AxialScene) and type(scene) in SCENES.values()
+    found = {name: np.array(np.broadcast_to(QUANTITIES[name].of(stack), len(grid[0])), float) for name in quantities}
+    return Table(columns, found, scene, {name: len(each) for name, each in lists.items()})
 
 
 def _first_z1(scene: AxialScene) -> float:
     given = getattr(scene, "z1", None)
     return scene.distances[0] if given is None else as_tuple(given)[0]
-
-
-def _predict(scenes: Sequence[Scene], differ: Sequence[str], quantities: Sequence[str], found: Floats) -> list[int]:
-    """Write predictions (scenes, quantities) for all scenes that differ from others in STACKED alone.
-
-    Return the numbers of the scenes that are left.
-    """
-    groups: dict[object, list[int]] = {}
-    apart = [name for name in differ if name not in (*STACKED, "view")]  # no prediction depends on the view
-    for n, scene in enumerate(scenes):
-        groups.setdefault((type(scene), *(hashable(getattr(scene, name, None)) for name in apart)), []).append(n)
-    left = []
-    for rows in groups.values():
-        values = None
-        some = [each for each in (scenes[n] for n in rows) if _is_known(each)]
-        if len(some) > 1:
-            given = [(each.alpha, _first_z1(each), each.z2) for each in some]
-            values = _of_stack(some[0], dict(zip(STACKED, np.array(given, float).T, strict=True)), quantities)
-        if values is None:
-            left += rows
-        else:
-            found[rows] = values.T
-    return sorted(left)
 
 
 def _differing(scenes: Sequence[Scene]) -> list[str]:
@@ -191,9 +159,10 @@ def _differing(scenes: Sequence[Scene]) -> list[str]:
     return [name for name, first in firsts.items() if any(getattr(each, name, None) != first for each in scenes)]
 
 
-def _columns(scenes: Sequence[Scene], differ: Sequence[str], swept: Lists) -> dict[str, NDArray[Any]]:
+def _columns(scenes: Sequence[Scene], swept: Lists) -> dict[str, NDArray[Any]]:
     """Return the columns of the parameters that are swept, or else of all in which the scenes differ."""
-    given = [parameters(scene, swept or differ) for scene in scenes]
+    fields = swept or _differing(scenes)
+    given = [parameters(scene, fields) for scene in scenes]
     names = dict.fromkeys(name for each in given for name in each)
     shown = [name for name in names if (swept and name != "scene") or len({each.get(name) for each in given}) > 1]
     return {name: _column([each.get(name) for each in given]) for name in shown}
@@ -234,22 +203,12 @@ def _on_cluster(scenes: list[Scene], quantities: Sequence[str], scheduler: str, 
         parts = [scenes[start : start + size] for start in range(0, len(scenes), size)]
         try:
             answers = pool.map(lambda part: cluster.call(values_of, part, quantities), parts)
-            for part, answer in zip(parts, answers, strict=True):
-                if not _is_table(answer, len(part), len(quantities)):
-                    raise cluster.other_code(answer)
+            for answer in answers:
                 rows += answer
-                for _ in part:
+                for _ in answer:
                     done()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             cluster.stop()
             raise
     return rows
-
-
-def _is_table(answer: Any, height: int, width: int) -> bool:  # noqa: ANN401  (any object)
-    """Return whether an answer of a worker is a list of rows of numbers."""
-    try:
-        return isinstance(answer, list) and np.asarray(answer, float).shape == (height, width)
-    except (TypeError, ValueError):
-        return False

@@ -2,7 +2,6 @@
 
 import errno
 import os
-import shutil
 import struct
 import subprocess
 import zlib
@@ -61,8 +60,7 @@ def encode(
     """Write pictures, (height, width, 3) bytes, as H.264 (.mp4), VP9 (.webm), animated WebP or GIF.
 
     `rate` is in frames a second. A GIF and a WebP file have the record alone, other files also have tags, such as
-    the title. An MP4 file has its middle picture as its cover. Raises InputError if the pictures are too large for the
-    encoder, and OSError if the file is incomplete.
+    the title. Raises InputError if the pictures are too large for the encoder, and OSError if the file is incomplete.
     """
     if output.suffix == ".gif":
         return _save_gif(pictures, output, rate, bytes(record) if record else b"")
@@ -82,12 +80,10 @@ def encode(
     with stopping.lock:
         process = subprocess.Popen(command, stdin=subprocess.PIPE)
     assert process.stdin
-    written = 0
     try:
         with suppress(BrokenPipeError), process.stdin:  # the encoder has stopped
             for picture in chain([first], pictures):
                 process.stdin.write(np.ascontiguousarray(picture).data.cast("B"))
-                written += 1
         returned = process.wait()
     finally:
         process.kill()
@@ -96,29 +92,8 @@ def encode(
         if is_full(output.parent):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(output))
         raise OSError(f"the encoder {ffmpeg} failed, with status {returned}")
-    _add_cover(output, (written // 2 - 0.5) / rate)
     if record:
         into_movie(output, record)
-
-
-def _add_cover(movie: Path, time: float) -> None:
-    """Make the first frame after a time, in seconds, the cover of an MP4 file. Players and folders show the cover.
-
-    The movie's own first frame may show no effect yet. Other formats have no cover. If ffmpeg or the disk fails, the
-    movie stays as it was.
-    """
-    if movie.suffix != ".mp4":
-        return
-    ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "quiet"]
-    colours = "scale=in_color_matrix=bt709:out_color_matrix=bt601:out_range=pc"  # those of JPEG
-    still = f"-ss {max(time, 0)} -i movie.mp4 -map 0:v:0 -frames:v 1 -vf {colours} -q:v 2 cover.jpg"
-    attached = "-map 0 -map 1 -c copy -disposition:v:1 attached_pic -movflags +faststart"
-    add = f"-i movie.mp4 -i cover.jpg {attached} covered.mp4"
-    with suppress(OSError, subprocess.SubprocessError), temporary_folder() as folder:
-        (folder / "movie.mp4").symlink_to(movie.resolve())
-        for words in (still, add):
-            subprocess.run([*ffmpeg, *words.split()], cwd=folder, stdin=subprocess.DEVNULL, check=True)
-        shutil.move(folder / "covered.mp4", movie)
 
 
 def _save_gif(pictures: Iterable[NDArray[np.uint8]], output: Path, rate: float, comment: bytes) -> None:

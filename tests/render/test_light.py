@@ -10,7 +10,7 @@ import pytest
 from conftest import povgen, refused
 from PIL import Image
 
-from povgen import Chess, InputError, Rendering, Spheres, info, movie, render, save, show
+from povgen import Chess, InputError, PovrayError, Rendering, Spheres, info, movie, render, save, show
 from povgen.inputs import hdr
 from povgen.rendering import cache, light, povray
 from povgen.rendering.frames import is_whole, render_all
@@ -161,6 +161,17 @@ DAMAGED = {
 @pytest.mark.parametrize("kind", DAMAGED)
 def test_what_is_no_frame_of_light(kind):
     assert is_whole(WHOLE, (48, 36), True) and not is_whole(DAMAGED[kind], (48, 36), True)
+
+
+def test_a_picture_that_is_cut_off_is_refused(tmp_path):
+    picture = tmp_path / "rays.ppm"
+    whole = b"P6\n2 1\n65535\n" + bytes(12)
+    picture.write_bytes(whole)
+    assert light.read(picture, (2, 1)).shape == (1, 2, 3)
+    for length in (11, 5, 0):
+        picture.write_bytes(whole[:length])
+        with pytest.raises(PovrayError, match="not whole"):
+            light.read(picture, (2, 1))
 
 
 def test_light_is_kept_in_the_cache(tmp_path, monkeypatch):

@@ -66,18 +66,6 @@ def test_what_stands_still_does_so_in_an_mp4_file(tmp_path, rng):
     assert changes[:19].max() < 0.5 < changes[20:].min()  # of 255
 
 
-@pytest.mark.parametrize("made", ["mp4"], indirect=True)
-def test_the_middle_frame_is_the_cover_of_an_mp4_file(made, tmp_path):
-    """Players and folders show it: at the first frame's angle of 0 the sheets do nothing."""
-    cover = tmp_path / "cover.png"
-    decode = ["-loglevel", "quiet", "-i", made, "-map", "0:v:1", "-frames:v", "1", cover]
-    subprocess.run([imageio_ffmpeg.get_ffmpeg_exe(), *decode], check=True)
-    frames = iio.imread(made, plugin="FFMPEG").astype(float)
-    differences = [np.sqrt(((iio.imread(cover)[..., :3] - frame) ** 2).mean()) for frame in frames]
-    assert len(frames) == 13 and np.argmin(differences) == 6 and differences[6] < 6  # of 255, for JPEG
-    assert {path.suffix for path in made.parent.iterdir()} <= {".mp4", ".webm", ".gif", ".png"}  # no folder is left
-
-
 def test_a_movie_says_what_moves_unless_told_otherwise(folder):
     """The caption is below the picture. An even height, because a movie stores pixels in blocks of 2x2."""
     shapes = {}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import povgen, refused, some
 
-from povgen.measure import compare, probes, rounding, stability, verify, verify_gl
+from povgen.measure import compare, probes, stability, verify, verify_gl
 from povgen.measure.measured import Measured
 from povgen.measure.plotting import Figure, name_lines
 from povgen.measure.stability_map import RENDERED, StabilityMap, draw_map, save_maps
@@ -29,14 +29,12 @@ WAYS = {
     "pieces": (5, SMALL),
     "horizon": (5, SMALL),
     "parallax": (6, (240, 180)),
-    "change": (2, SMALL, SIZE),
     "pixels": (2, SMALL, SIZE),
     "prediction": (4, (240, 180)),
     "power_law": (24, SMALL),
     "ghosts": (1, (400, 250)),
     "screens": (3, SMALL),
     "field_of_view": (3, SMALL),
-    "hyperbola": (7, (240, 180)),
     "designed_fraction": (2, SMALL, SIZE),
 }
 # pictures that are large enough for the bounds of lines with these words
@@ -58,7 +56,7 @@ def reduced(way, every, rendered=False):
         yield replace(check, scenes=[check.scenes[n] for n in taken], size=size)
 
 
-RENDER = ("positions", "directions", "pieces", "change", "pixels")  # in every run of the tests; else with the release
+RENDER = ("positions", "directions", "pieces", "pixels")  # in every run of the tests; else with the release
 
 
 @pytest.mark.parametrize(
@@ -179,9 +177,7 @@ def test_the_command(tmp_path, monkeypatch):
         (["--json", "x.txt"], ["x.txt", ".json"]),
         (["-o", "maps"], ["output", "maps", "--stability"]),
         (["--stability", "-o", "no/where"], ["no/where", "No such file"]),
-        (["--gl", "--sheet", "ideal"], ["gl: measured alone; allowed without --sheet, --stability and --live"]),
-        (["--gl", "--live"], ["gl: measured alone"]),
-        (["--live", "--stability"], ["live: measured alone; allowed without --sheet and --stability"]),
+        (["--gl", "--sheet", "ideal"], ["gl: measured alone; allowed without --sheet and --stability"]),
     ],
 )
 def test_bad_options_are_refused(options, words, tmp_path):
@@ -302,13 +298,6 @@ def test_maps_are_drawn_and_tabled(all_maps, tmp_path):
     assert head == f"series,error that povgen states (px),{error}"
     assert len(rows) == 5 and rows[-1].startswith("# povgen record") and len(found) == (11 if all_maps else 1)
     assert all(limit.holds for limit in found if limit.sheet == "ideal")
-
-
-def test_rounding_decides_for_few_rays():
-    """Of all rays, not of those that differ: else `verify` would excuse whatever POV-Ray does."""
-    for scene, most in ((probes.Directions(), 0.006), (probes.Directions(prisms=1000, z2=2), 0.25)):
-        _, direction = camera.rays(scene, (32, 24))
-        assert rounding.decided_by_rounding(scene, direction).mean() < most
 
 
 @pytest.mark.parametrize("prisms", [50, pytest.param(200, marks=pytest.mark.release)])

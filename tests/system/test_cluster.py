@@ -309,25 +309,6 @@ def test_the_threads_of_a_worker_divide_its_memory(monkeypatch):
     assert cluster.render(to_pov(Chess(sheet="none")), SMALL, {}).startswith(b"\x89PNG") and {*limits} == {3}
 
 
-@pytest.mark.parametrize("answer", [[b""], None, [[1, 2]], ["x"]])
-def test_an_answer_of_other_code_is_refused(answer, tmp_path, monkeypatch):
-    class Other(Cluster):
-        def __init__(self, *_):
-            self._scheduler, self.frames = "tcp://one:2", 1
-
-        def call(self, *_):
-            return answer
-
-        __exit__ = stop = lambda *_: None
-
-    monkeypatch.setattr(cluster, "Cluster", Other)
-    words = f"^scheduler tcp://one:2: a worker answered with a {type(answer).__name__}: its povgen has other code$"
-    with pytest.raises(PovrayError, match=words):
-        Other().run(to_pov(SCENES[0]), SMALL, tmp_path)
-    with pytest.raises(PovrayError, match=words):
-        results(SCENES, "M", scheduler="tcp://one:2", progress=False)
-
-
 @pytest.mark.release
 def test_no_workers_and_no_address(tmp_path):
     with Machines(tmp_path) as machines:

@@ -129,7 +129,7 @@ def test_items_of_a_process_that_fails_are_left_out(fault, monkeypatch):
 def test_what_no_other_process_computes_is_computed_here(monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0)
     monkeypatch.setattr(module, "computed", lambda *_: {1: [7.0]})
-    scenes = [Chess(sheet="axis", axis=(0, 1, 0.1), alpha=alpha) for alpha in (0, 2, 5)]  # without a matrix
+    scenes = [Chess(sheet="ideal", alpha=alpha) for alpha in (0, 2, 5)]
     table = results(scenes, "x", workers=2, progress=False)
     assert table["x"][1] == 7 and table["x"][::2].tolist() == [results(each, "x")["x"][0] for each in scenes[::2]]
 
@@ -152,12 +152,8 @@ def test_a_parameter_with_the_name_of_a_quantity():
     assert results(scenes, "nu", progress=False)["x"].tolist() == [0, 0.5]
 
 
-def one_by_one(scenes, quantities):
-    return np.array(module.values_of(scenes, quantities)).T
-
-
 def test_many_scenes_at_once_are_those_one_by_one():
-    """Whatever differs, and however the scenes are given: a list of any scenes, or lists of values."""
+    """Whatever kind of sheets and of scene."""
     rng, quantities = np.random.default_rng(5), ("x", "y", "nu", "M", "visible")
     linear = [name for name in SHEETS if Chess(sheet=name).sheets[0].transfer is not None]
     kinds = [{"sheet": name} for name in linear] + [
@@ -166,22 +162,17 @@ def test_many_scenes_at_once_are_those_one_by_one():
         {"window": ["z=2,alpha=20", "z=4,sheet=single"], "prisms": 30},
         {"sheet": "axis", "window": "z=2.5,sheet=detailed", "axis": (0, 0, 1)},
     ]
-    scenes = []
     assert len(linear) > 8
     for kind in kinds:
         scene = [Chess(x=0.3, eye=(0.6, -0.2), **kind), Spheres(z1=(3, 6), z2=4, **kind)][rng.integers(2)]
         z1, alpha, z2 = rng.uniform(1, 5, 2), [0, 180, *rng.uniform(-360, 360, 2)], rng.uniform(3, 9, 2)
         every = [scene.replace(z1=b, alpha=a, z2=c) for b in z1 for a in alpha for c in z2]
-        expected = one_by_one(every, quantities)
+        expected = np.array(module.values_of(every, quantities)).T
         found = results(scene, *quantities, z1=z1, alpha=alpha, z2=z2, progress=False)
         assert list(found) == ["alpha", "z2", "z1", *quantities]
         np.testing.assert_allclose([found[name] for name in quantities], expected, 1e-12, 1e-12, err_msg=str(scene))
         for name in ("z1", "alpha", "z2"):
             assert found[name].tolist() == [getattr(each, name) for each in every]
-        scenes += every[:: rng.integers(2, 5)]
-    scenes = [scenes[n] for n in rng.permutation(len(scenes))]
-    found = results(scenes, *quantities, workers=1, progress=False)
-    np.testing.assert_allclose([found[name] for name in quantities], one_by_one(scenes, quantities), 1e-12, 1e-12)
 
 
 def test_lists_of_values():
@@ -251,20 +242,27 @@ def test_a_dataset(tmp_path, monkeypatch):
 
 
 def test_the_dimensions_of_a_dataset():
-    """A grid in any order, with what depends on a parameter; otherwise one dimension."""
-    scene = Chess(sheet="ideal", fresnel=False)
-    scenes = [scene.replace(z2=z2, x=x, aperture=4) for z2 in (6, 30) for x in (1, 0)]
-    data = results([scenes[n] for n in (2, 0, 3, 1)], "x", progress=False).to_xarray()
-    assert data.scene_x.dims == ("scene_x",) and data.view.dims == ("z2",) and data.x.dims == ("z2", "scene_x")
-    units = {"z2": "tiles", "view": "tiles", "scene_x": "tiles", "x": "tiles"}
+    """The lists of values, and the columns along them; without lists one dimension."""
+    scene, eyes = Chess(sheet="ideal", fresnel=False), [(0, 0), (1, 0), (1, 1)]
+    data = results(scene, "x", z2=(30, 6), x=(1, 0), eye=eyes, progress=False).to_xarray()
+    assert data.x.dims == ("z2", "scene_x", "eye") and data.scene_x.dims == ("scene_x",)
+    assert data.eye_x.values.tolist() == [0, 1, 1] and data.eye_y.dims == ("eye",)
+    units = dict.fromkeys(("z2", "scene_x", "eye_x", "eye_y", "x"), "tiles")
     assert {name: each.attrs["units"] for name, each in data.variables.items()} == units
-    assert data.z2.values.tolist() == [30, 6] and data.x[1, 0] == scenes[0].apparent_position(scenes[0].L, 2).real
-    odd = results([*scenes[:3], Spheres(sheet="ideal", z1=2, error={"tilt_x": 1})], "M", progress=False).to_xarray()
-    assert dict(odd.sizes) == {"scene": 4} and odd.z2.dims == ("scene",) and "z2" in odd.coords
-    assert odd.scene.values.tolist() == ["chess"] * 3 + ["spheres"] and odd.error_tilt_x.attrs["units"] == "degrees"
-    assert results(scene, "M").to_xarray().M.shape == () and results([], "M").to_xarray().M.shape == (0,)
-    twice = results([scene, scene.replace(alpha=3), scene], "M", progress=False).to_xarray()
-    assert twice.M.dims == ("scene",)
+    assert data.z2.values.tolist() == [30, 6] and {"z2", "scene_x", "eye_x"} <= {*data.coords}
+    shown = scene.replace(x=1, eye=(1, 1))
+    assert float(data.x[1, 0, 2]) == pytest.approx(shown.apparent_position(shown.L, 2).real)
+    aside = results(scene, "nu", x=[(0, 1), (1, 2)], z1=[(2, 3)], window=[(), "z=2"], progress=False).to_xarray()
+    assert dict(aside.sizes) == {"x": 2, "z1": 1, "window": 2} and aside.x_2.dims == ("x",)
+    assert aside.z1_2.dims == ("z1",) and aside.window2_z.dims == ("x", "z1", "window")
+    room = Room([Window(name="left"), Sphere(z=2)])
+    turned = results(room, "x", **{"left.alpha": (0, 9), "eye.x": (0, 1)}, progress=False).to_xarray()
+    assert turned.x.dims == ("left_alpha", "eye_x") and turned.left_alpha.values.tolist() == [0, 9]
+    scenes = [scene, scene.replace(z2=7), Spheres(sheet="ideal", z1=2, error={"tilt_x": 1})]
+    odd = results(scenes, "M", progress=False).to_xarray()
+    assert dict(odd.sizes) == {"scene": 3} and odd.z2.dims == ("scene",) and "z2" in odd.coords
+    assert odd.scene.values.tolist() == ["chess"] * 2 + ["spheres"] and odd.error_tilt_x.attrs["units"] == "degrees"
+    assert results(scene, "M").to_xarray().M.shape == (1,) and results([], "M").to_xarray().M.shape == (0,)
 
 
 def test_rooms():
