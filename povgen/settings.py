@@ -283,7 +283,9 @@ class Rendering(Sampling):
     def _check_bits(self) -> Self:
         if self.is_light and self.annotated:
             drawn = next(name for name in ("overlay", "side_view", "note", "caption") if getattr(self, name))
-            raise ValueError(f"bits = {self.bits}: {drawn} is drawn with 8 bits; allowed: bits = 8, or without {drawn}")
+            raise ValueError(
+                f"bits = {self.bits}: {drawn} is drawn with 8 bits; allowed: bits = 8 (no EXR file), or without {drawn}"
+            )
         return self
 
     def in_default_time(self) -> Self:

@@ -66,6 +66,8 @@ def warn_unused(values: Mapping[str, Any], scenes: Sequence[Scene]) -> None:
             say(f"povgen: warning: {name}{shown}: no effect with sheet = {given}; it is for {allowed}")
     if values.get("sky") and scenes and not any(scene.background == "sky" for scene in scenes):
         say(f"povgen: warning: sky: no effect with background = {scenes[0].background}; it is for sky")
+    if values.get("focus") and scenes and not any(scene.pupil for scene in scenes):
+        say("povgen: warning: focus: no effect with pupil = 0; it is for larger pupils")
     for text in dict.fromkeys(_unused_in_windows(scenes, values)):
         say(f"povgen: warning: {text}")
 

@@ -22,6 +22,7 @@ from povgen.optics.values import Values
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import linear
 from povgen.scene.scene import Scene, checked_scene
+from povgen.scene.scenes import AxialScene
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,12 +68,14 @@ def irradiance(
     The source is a point (x, y, z) that shines equally in all directions; with a `diameter`, the middle of a disc,
     parallel to the screen, that shines as the cosine of the angle to z (Lambert); or a `Card`, of which each point
     shines so, by its picture's light, to the side of the picture. A card that is white has the intensity 1. Lengths
-    are in tiles. `extent` is left, right, bottom and top of the screen, and `size` its width and height in pixels. The
-    screen is on either side of the windows: where the source is, it shows the light that comes back.
+    are in tiles. `extent` is left, right, bottom and top of the screen, and `size` its width and height in pixels. All
+    windows are on one side of the screen: where the source is, it shows the light that comes back.
 
     `count` rays are traced to random points of the windows; `seed` is that of the random numbers. Light that no window
-    meets first is left out, and objects neither stop light nor shine. With the scene's `fresnel`, partial reflections
-    count. Raises InputError for numbers that are not allowed, and for a scene without windows.
+    meets first is left out, and objects neither stop light nor shine. Light that passes one window of a preset and
+    misses the next one is lost; in a room it goes on. With the scene's `fresnel`, partial reflections count. Raises
+    InputError for numbers that are not allowed, for a scene without windows or with polarisers, for a screen between
+    windows, and for a source between those of a preset.
     """
     scene, rng = checked_scene(scene), np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count, (width, height) = checked_count("count", count, MOST), PictureSize(size=size).size
@@ -81,7 +84,7 @@ def irradiance(
         raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
     if diameter < 0:
         raise ValueError(f"diameter = {diameter:g}: allowed: 0 or more")
-    _check_windows(scene.openings, z)
+    _check_scene(scene, source, z)
     colours = 3 if isinstance(source, Card) else 1
     sums, squares = np.zeros((2, 2 * height * width, colours))  # of rays' powers: first of designed light
     power = np.zeros((2, colours))  # that enters, that leaves
@@ -111,11 +114,19 @@ def irradiance(
     return Irradiance(designed, stray, error, (left, right, bottom, top), *power[:, every])
 
 
-def _check_windows(openings: Sequence[Opening], z: float) -> None:
-    """Raise ValueError if there is no window, or if a window's frame is on both sides of the plane z."""
-    if not openings:
+def _check_scene(scene: Scene, source: ArrayLike | Card, z: float) -> None:
+    """Raise ValueError for what `irradiance` refuses about the scene, and about the places of source and screen."""
+    if not scene.openings:
         raise ValueError("scene: no windows; allowed: a scene with a window")
-    for opening in openings:
+    if scene.polarised:
+        raise ValueError("polariser, analyser: light is unpolarised here; allowed: a scene without them")
+    if isinstance(scene, AxialScene):
+        start = source.pose.z if isinstance(source, Card) else _checked("source", source, 3)[2]
+        if 0 < start < scene.places[-1]:
+            raise ValueError(f"source: z = {start:g}: between the windows; allowed: elsewhere, or in a room")
+    if len({bool(opening.pose.z < z) for opening in scene.openings}) > 1:
+        raise ValueError(f"z = {z:g}: between the windows; allowed: all windows on one side of the screen")
+    for opening in scene.openings:
         depth = opening.deep.frame / 2 * abs(opening.pose.axes[2][2])
         if abs(z - opening.pose.z) < depth:
             raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")

@@ -66,6 +66,8 @@ def draw(
     printed = Print(dpi=dpi, width=width)
     if traced is not None and not traced.corners.shape[-2]:
         raise ValueError("traced: the paths were not kept; allowed: rays of trace(..., path=True)")
+    if not np.isfinite((azimuth, elevation)).all():
+        raise ValueError(f"azimuth, elevation = {azimuth:g}, {elevation:g}: allowed: finite numbers, degrees")
     sides = _sides(azimuth, elevation)
     straight = bool((abs(sides).max(1) == 1).all())
     ways = sides.sum(1) if straight else np.ones(2)  # an axis with numbers may run to the left or down

@@ -211,7 +211,8 @@ class Paths(DesignedLight):
             start, direction, length, _ = (part[n] for part in legs[len(sequence)])
             to = point - start
             enough = _PRECISION * np.linalg.norm(point - legs[0].start[n])
-            if np.linalg.norm(np.cross(to, direction)) <= enough and 0 < to @ direction <= length:
+            least = -enough if sequence else 0  # a point on a sheet is behind it
+            if np.linalg.norm(np.cross(to, direction)) <= enough and least < to @ direction < length - enough:
                 corners = [leg.start[n] for leg in legs[: len(sequence) + 1]]
                 yield n, complex(positions[n]), np.stack([*corners, point])
 

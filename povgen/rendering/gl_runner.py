@@ -127,7 +127,7 @@ class Runner:
 
     def _idle_after(self, work: Callable[[], Answer]) -> dict[str, Any]:
         """Return a process's answer; the process then waits for the next picture. Try twice if it crashes or hangs."""
-        process, answer = tried(work, f"; {POVRAY}")
+        process, answer = tried(work, "; allowed: a larger --timeout, or renderer = 'povray'")
         with stopping.lock:
             self._check()  # it was stopped after the answer, and so was the process
             self._busy.discard(process)

@@ -20,6 +20,7 @@ from povgen.rendering.table import Table
 from povgen.scene.quantities import QUANTITIES, STACKED, parameters, stacked
 from povgen.scene.scene import Scene, checked_scene, checked_scenes, classes
 from povgen.scene.scenes import SCENES, AxialScene
+from povgen.scene.windows import NUMBER
 from povgen.validation import as_flag, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
@@ -113,8 +114,11 @@ def _checked(scene: object, quantities: Sequence[str]) -> Scene:
 
 
 def _with(scene: Scene, values: dict[str, Any]) -> Scene:
-    """Return a copy with these values. Those of a room's things have names such as left.alpha."""
-    inside = {name: value for name, value in values.items() if "." in name and scene.parts}
+    """Return a copy with these values. Those of a room's things have names such as left.alpha.
+
+    Those of the windows behind a preset's first one have names such as window2_alpha.
+    """
+    inside = {name: x for name, x in values.items() if (scene.parts and "." in name) or NUMBER.fullmatch(name)}
     made = scene.replace(**{name: value for name, value in values.items() if name not in inside})
     return made.with_numbers(inside) if inside else made
 

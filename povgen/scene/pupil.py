@@ -21,6 +21,7 @@ from povgen.scene.scenes import AxialScene
 # Steps of numbers between 0 and 1 that fill a square evenly, however many they are: powers of the root of x^5 = x + 1
 # (Roberts, 2018). view.glsl has the same.
 STEPS = 0.8566748838545029, 0.733891856627126
+LEAST = 1e-8  # of 1 / the distance of a focus, 1 / tile: what is farther away is at infinity, within rounding
 _STEP = 1e-4  # of places and slopes, for derivatives
 
 
@@ -50,7 +51,8 @@ def best_focus(scene: Scene) -> float:
 
 
 def _best(scene: Scene) -> float:
-    return float(np.maximum(0, -np.trace(light_of_object(scene)) / 2))
+    found = float(-np.trace(light_of_object(scene)) / 2)
+    return 0.0 if found < LEAST else found
 
 
 def distance(camera: Camera) -> float:

@@ -15,13 +15,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from povgen.errors import input_errors
 from povgen.optics import apparent, uncertainty
-from povgen.optics.equations import Booleans, Complexes, Floats
+from povgen.optics.equations import Booleans, Complexes, Floats, real
 from povgen.optics.rays import Bundle, Convergence
 from povgen.optics.shares import Shares, shares
 from povgen.scene import pupil
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, checked_axial
+from povgen.scene.windows import NUMBER
 from povgen.sheets import PARAMETERS
 from povgen.sheets.prisms import ERRORS
 from povgen.sheets.sheet import Said
@@ -158,6 +160,7 @@ def entering(scene: AxialScene, rays: int = RAYS) -> Entering:
     return Entering(by_pupil, missed(place - basis @ fitted))
 
 
+@input_errors()
 def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floats:
     """Return the modulation transfer function for light of the scene's first object: 1 if sharp, 0 without contrast.
 
@@ -167,10 +170,13 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
     rotate light, x = pi * pupil * abs(1/f - 1/Z) * the frequency in cycles per radian (`povgen.scene.pupil`). Where x
     exceeds MOST_X, and the function is below 6e-5, it is 0. Otherwise it is the mean of MTF_RAYS traced rays, of which
     n take the designed path: its standard error is below 1 / sqrt(n), mostly 0.005. NaN if too little light on the
-    designed path shows the object. Raises InputError for other scenes than Chess and Spheres.
+    designed path shows the object. Raises InputError for other scenes than Chess and Spheres, for frequencies that are
+    no finite numbers from 0, and for a direction that is not one finite number.
     """
-    scene, along = checked_axial(scene, "mtf"), np.radians(direction)
-    cycles = np.degrees(np.asarray(frequencies, float))[..., None]  # per radian
+    scene, along = checked_axial(scene, "mtf"), np.radians(real("direction", direction))
+    cycles = np.degrees(real("frequencies", frequencies, 0))[..., None]  # per radian
+    if not np.isfinite(cycles).all() or along.ndim or not np.isfinite(along):
+        raise ValueError("frequencies, direction: allowed: finite numbers, and one direction")
     linear = not scene.has_prisms and apparent.matrix(scene.elements) is not None
     if linear and len(entering(scene).by_pupil) == RAYS:
         off = pupil.light_of_object(scene) + pupil.inverse_focus(scene) * np.eye(2)
@@ -253,10 +259,12 @@ QUANTITIES = {
     "nu": Quantity(
         lambda scene: scene.nu_and_M(scene.distances[0])[0],
         "degrees",
-        "the angle by which it appears turned",
+        "the angle by which it appears turned, by sheets that only rotate light",
         stacks=True,
     ),
-    "M": Quantity(lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification", stacks=True),
+    "M": Quantity(
+        lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification, by such sheets", stacks=True
+    ),
     "uncertainty": Quantity(
         _uncertainty, "tiles", "possible error of x and y, because of the finite size of the prisms"
     ),
@@ -275,7 +283,11 @@ QUANTITIES = {
     "designed": Quantity(
         lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"
     ),
-    "stray": Quantity(_stray, "", "share of these rays that leave on the far side, on other paths, 0 to 1"),
+    "stray": Quantity(
+        _stray,
+        "",
+        "share of these rays that leave on the far side, on other paths; NaN if only some windows have black tops",
+    ),
     "best_focus": Quantity(
         pupil.best_focus,
         "tiles",
@@ -366,6 +378,9 @@ def _stated(scene: Scene, names: Collection[str] | None) -> Iterator[tuple[str, 
         for name, value in model.model_dump().items():
             if names is None or f"{part}.{name}" in names or not inside.isdisjoint(names):
                 yield f"{part}_{name}", value
+    for name in names or () if isinstance(scene, AxialScene) else ():
+        if match := NUMBER.fullmatch(name):
+            yield name, getattr(scene.window[int(match[1]) - 2], match[2])
     for name, value in scene.model_dump(include=None if names is None else {*names}, exclude=inside).items():
         if name == "window":
             yield from ((f"window{number}", window) for number, window in enumerate(value, 2))

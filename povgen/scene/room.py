@@ -156,7 +156,7 @@ class Room(Scene):
         parts = dict(self.parts)
         for name, value in values.items():
             part, _, parameter = name.partition(".")
-            if part not in parts:
+            if part not in parts or not parameter:
                 allowed = f"NAME.PARAMETER with one of {', '.join(parts)}"
                 raise InputError(f"{shown(name)}: not in the room; allowed: {allowed}")
             parts[part] = parts[part].replace(**{parameter: value})

@@ -7,7 +7,7 @@ window.
 from __future__ import annotations  # help() then says ArrayLike
 
 from cmath import isfinite
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from math import hypot
@@ -43,6 +43,7 @@ from povgen.scene.scene import SCENES as SCENES
 from povgen.scene.scene import Scene as Scene
 from povgen.scene.scene import checked_scene, classes
 from povgen.scene.scene import recorded as recorded
+from povgen.scene.windows import with_numbers
 from povgen.sheets import SHEETS
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import Model, as_flag
@@ -77,6 +78,9 @@ class AxialScene(Predicted):
     def pieces(self) -> tuple[Standing, ...]:
         """Every chess piece."""
         return ()
+
+    def with_numbers(self, values: Mapping[str, float]) -> Self:
+        return self.replace(window=with_numbers(self.window, values))
 
     @property
     def distances(self) -> tuple[float, ...]:

@@ -17,7 +17,7 @@ from povgen.scene import files
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES, AxialScene
-from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by
+from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by, with_numbers
 from povgen.settings import Note, preset_of
 from povgen.validation import Model, as_pair
 
@@ -385,7 +385,7 @@ class MovieSpec(Model):
         parts = {name: x for name, x in values.items() if "." in name}
         try:
             if windows := {name: x for name, x in values.items() if name not in own | parts}:
-                own["window"] = self._windows(windows)
+                own["window"] = with_numbers(as_windows(self.fixed.get("window", ())), windows)
             scene = model(**{**self.fixed, **own}) if own else self._base
             return scene.with_numbers(parts) if parts else scene
         except InputError as error:
@@ -400,18 +400,6 @@ class MovieSpec(Model):
     def _rounded(self, name: str, value: Any) -> Any:  # noqa: ANN401  (as in `_scene`)
         """Return a parameter's value. It is rounded if the parameter is a whole number, such as `prisms`."""
         return round(value) if self._fields[name].annotation is int else value
-
-    def _windows(self, swept: dict[str, float]) -> list[FurtherWindow]:
-        """Return the windows behind the first one, with swept numbers in place of their own. Raises InputError."""
-        windows = as_windows(self.fixed.get("window", ()))
-        for name, value in swept.items():
-            number, field = WINDOW_NUMBERS[name]
-            if number > len(windows) + 1:
-                raise InputError(
-                    f"{name}: swept, but there is no window {number}; allowed: with --window or [[window]]"
-                )
-            windows[number - 2] = windows[number - 2].replace(**{field: value})
-        return windows
 
     def _frames_there(self, quality: str) -> int:
         """Return the number of frames from start to stop."""

@@ -1,10 +1,12 @@
 """The windows behind the first one of `Chess` and `Spheres`. One can be given as text: `z=2,sheet=mirror`."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from povgen.errors import InputError, shown
 from povgen.objects.sheet_fields import TABLES, FurtherParameters, SheetName
 from povgen.validation import Model
 
@@ -98,6 +100,23 @@ if TYPE_CHECKING:  # read as windows; a user may give anything that becomes such
     Windows = tuple[FurtherWindow, ...] | Any
 else:
     Windows = several(FurtherWindow, FurtherWindow, MAX_WINDOWS - 1)
+
+
+# what a number of a window behind the first one is called: window2_alpha, window2_z, window3_alpha, ...
+NUMBER = re.compile(f"window([2-{MAX_WINDOWS}])_([a-z_]+)")
+
+
+def with_numbers(windows: Iterable[FurtherWindow], values: Mapping[str, Any]) -> list[FurtherWindow]:
+    """Return the windows with other numbers, as {"window2_alpha": 90}. Raises InputError."""
+    made = [*windows]
+    for name, value in values.items():
+        if not (match := NUMBER.fullmatch(name)):
+            raise InputError(f"{shown(name)}: no number of a window behind the first one; allowed: such as window2_z")
+        number, field = int(match[1]), match[2]
+        if number > len(made) + 1:
+            raise InputError(f"{name}: there is no window {number}; allowed: with --window or [[window]]")
+        made[number - 2] = made[number - 2].replace(**{field: value})
+    return made
 
 
 class _Windows(Model):

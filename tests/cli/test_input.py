@@ -279,6 +279,8 @@ LAW = ["--sheet=law", "--law=x - k*X*z, y, z", "--parameter=k=0.3", "--parameter
         ),
         (["--sheet", "ideal", "--window", "alpha=9,z=2,sheet=detailed", "--prisms", "99"], []),
         (["--sheet", "none", "--alpha", "9", "--tops", "black"], ["alpha = 9: no effect", "tops = black: no effect"]),
+        (["--focus=5"], ["focus: no effect with pupil = 0"]),
+        (["--focus=5", "--pupil=0.1", "--sheet=ideal"], []),
         (["--sheet=ideal", "--window=z=2,index=2"], ["window 2: index: no effect with sheet = ideal"]),
         (["--sheet=law", "--law=x,y,z", "--parameter=k=1"], ["parameter: k: no effect, because no law"]),
         ([*LAW, "--window=z=1,law=x, y - m*Y*z, z"], []),  # windows share the scene's numbers

@@ -88,6 +88,9 @@ def test_windows_side_by_side_and_one_behind_another_count_once():
     assert entering({"width": 2}, {"width": 2, "z": -1}) == pytest.approx(entering({"width": 2}), rel=0.01)
 
 
+IN_SERIES = Chess(sheet="ideal", alpha=0, window="alpha=0,z=2")
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -97,6 +100,9 @@ def test_windows_side_by_side_and_one_behind_another_count_once():
         ({"diameter": -1}, "diameter = -1: allowed: 0 or more"),
         ({"z": 0.1}, "z = 0.1: within a window's frame; allowed: 0.15 tiles or more"),
         ({"scene": Chess(sheet="ideal"), "source": (0, 0, 0.1)}, "none of its light enters a window"),
+        ({"scene": IN_SERIES, "source": (0, 0, 1)}, "source: z = 1: between the windows"),
+        ({"scene": IN_SERIES, "source": (0, 0, 5), "z": 1}, "z = 1: between the windows; allowed: all windows on one"),
+        ({"scene": Chess(polariser=0, analyser=90)}, "polariser, analyser: light is unpolarised here"),
         ({"count": 0}, "count = 0"),
         ({"size": (0, 9)}, "size"),
         ({"z": np.nan}, "z, diameter, extent"),

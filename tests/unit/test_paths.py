@@ -84,6 +84,14 @@ def test_a_point_is_seen_beside_and_through_a_window():
     assert [each.windows for each in room.images((0.1, 0.1, -2))] == [()]  # before the windows
 
 
+@pytest.mark.parametrize("scene", [Chess(sheet="ideal"), Room([Window(frame=False, alpha=66)]), Chess(sheet="none")])
+@pytest.mark.parametrize("point", [(0, 0, 0), (0.3, 0, 0), (-0.2, 0.1, 1e-15)])
+def test_a_point_on_a_sheet_is_seen_there(scene, point):
+    (image,) = scene.images(point)
+    assert image.windows == ("window1",) or image.windows == ("window",)
+    assert image.position == pytest.approx(complex(*point[:2]), abs=1e-9)
+
+
 @pytest.mark.parametrize(("yaw", "most"), [(0, 0.001), (20, 0.0015)])
 def test_through_prisms_it_is_where_their_designed_light_comes_from(yaw, most, rng):
     room = Room([Window(sheet="detailed", alpha=40, yaw=yaw, prisms=100)], eye=Eye(z=-6))

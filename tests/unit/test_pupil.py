@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from povgen import Chess, Eye, Piece, Room, Sphere, Spheres, Window, best_focus, mtf, results
+from povgen.errors import InputError
 from povgen.optics import equations
 from povgen.scene import pupil
 
@@ -57,7 +58,9 @@ def test_at_0_and_180_degrees_things_can_be_in_focus_and_a_real_image_before_the
     behind = Spheres(
         sheet="ideal", alpha=180, z1=9, line=(-0.2, 0), z2=6, pupil=0.2
     )  # light that runs together behind the eye
-    assert results([behind], "best_focus", progress=False)["best_focus"] == [np.inf]
+    parallel = Chess(sheet="lens", focal_length=4, z1=4)  # within rounding
+    found = results([behind, parallel], "best_focus", progress=False)["best_focus"]
+    assert found.tolist() == [np.inf, np.inf]
     at_pole = Spheres(sheet="ideal", alpha=180, z1=6, z2=6, pupil=0.2)
     assert np.isnan(results([at_pole], "best_focus", "seen_blur", progress=False)["best_focus"])
 
@@ -80,3 +83,18 @@ def test_mtf_is_that_of_a_disc(monkeypatch):
     assert mtf(scene, [[5], [1e9]]).tolist() == [[pytest.approx(disc[2])], [0]]
     monkeypatch.setattr("povgen.optics.apparent.matrix", lambda _: None)  # traced rays
     assert mtf(scene, frequencies) == pytest.approx(disc, abs=0.008)
+
+
+@pytest.mark.parametrize(
+    ("frequencies", "direction", "words"),
+    [
+        ([2, np.nan], 0, "allowed: finite numbers, and one direction"),
+        (2, [0, 90], "allowed: finite numbers, and one direction"),
+        (-1, 0, "frequencies = -1; allowed: 0 or more"),
+        ("few", 0, "frequencies has other values than numbers"),
+        (2, "up", "direction has other values than numbers"),
+    ],
+)
+def test_mtf_refuses_what_is_no_frequency_or_direction(frequencies, direction, words):
+    with pytest.raises(InputError, match=words):
+        mtf(Chess(sheet="ideal", pupil=0.04), frequencies, direction)

@@ -228,7 +228,10 @@ def test_a_dataset(tmp_path, monkeypatch):
         assert p == table["designed"][3] and data.designed_error.attrs["units"] == "1"
         assert float(data.designed_error.sel(prisms=10, glass="N-SF11")) == pytest.approx(np.sqrt(p * (1 - p) / 10_000))
         assert data.designed.attrs["ancillary_variables"] == "designed_error" and "nu_error" not in data
-        assert data.nu.attrs == {"units": "degrees", "long_name": "the angle by which it appears turned"}
+        assert data.nu.attrs == {
+            "units": "degrees",
+            "long_name": "the angle by which it appears turned, by sheets that only rotate light",
+        }
         (stated,) = json.loads(data.attrs["record"]).values()
         record = info(tmp_path / "study.nc")
         assert record.stated == stated
@@ -263,6 +266,19 @@ def test_the_dimensions_of_a_dataset():
     assert dict(odd.sizes) == {"scene": 3} and odd.z2.dims == ("scene",) and "z2" in odd.coords
     assert odd.scene.values.tolist() == ["chess"] * 2 + ["spheres"] and odd.error_tilt_x.attrs["units"] == "degrees"
     assert results(scene, "M").to_xarray().M.shape == (1,) and results([], "M").to_xarray().M.shape == (0,)
+
+
+def test_numbers_of_windows_behind_the_first_one():
+    scene = Chess(sheet="ideal", z1=3, window="alpha=40,z=2")
+    found = results(scene, "x", "y", window2_alpha=(10, 20), z1=(3, 4), progress=False)
+    scenes = [scene.replace(window=f"alpha={alpha},z=2", z1=z1) for alpha in (10, 20) for z1 in (3, 4)]
+    expected = results(scenes, "x", "y", progress=False)
+    assert found["window2_alpha"].tolist() == [10, 10, 20, 20] and found["z1"].tolist() == [3, 4, 3, 4]
+    assert (found["x"] == expected["x"]).all() and (found["y"] == expected["y"]).all()
+    assert dict(found.to_xarray().sizes) == {"window2_alpha": 2, "z1": 2}
+    for name, words in (("window3_z", "window3_z: there is no window 3"), ("window2_colour", "'colour': unknown")):
+        with pytest.raises(InputError, match=words):
+            results(scene, "x", **{name: [4]})
 
 
 def test_rooms():
