@@ -148,8 +148,6 @@ def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):
             said = ["Predict first: the description comes with the answer.", "The description comes when it is done."]
             assert sentence(page, **values) == said[n >= 20]
     page.evaluate("openQuestion(19)")
-    show(page, alpha=180, z1=6)
-    expect(page.locator("#overlay .say")).to_have_count(0)
     assert sentence(page, z2=1000).endswith("answer. z₂ is at most 150.")
     assert sentence(page, windows=1, sheet="ideal", z1=0.1).endswith("the piece would touch the frame.")
 

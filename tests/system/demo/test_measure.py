@@ -93,8 +93,6 @@ def test_what_is_measured_lies_on_the_curve(measure):
 
 
 def test_who_does_not_see_the_picture_measures_too(measure):
-    show(measure, alpha=180, z1=6)
-    expect(measure.locator("#overlay .say")).to_have_count(0)  # it would say what the window shows
     show(measure, alpha=90, z1=2, caption=True)
     expect(measure.locator("#sentence")).to_be_empty()  # it would say the result
     expect(measure.locator("#overlay .caption")).not_to_contain_text("ν")

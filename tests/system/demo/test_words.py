@@ -17,30 +17,26 @@ MIRROR = {"sheet": "mirror", "alpha": 90, "z1": 6}
 SERIES = {"sheet": "ideal", "windows": 2, "alpha": 120, "alpha2": 120, "d": 2, "z1": 2, "z2": 2}
 
 
-def test_the_pole_is_said_in_words_view_and_diagram(page):
-    for values, words, seen in (
-        ({"alpha": 180, "z1": 6}, "point of the knight, straight in front", "one point of the knight fills the window"),
-        ({"alpha": 180, "z1": 5.8}, "Near the pole", "0.1 tiles of the knight fill the window"),
-        ({"alpha": 180, "z1": 6, "E": [1.5, 0.5]}, "The knight is not there", "nothing of the knight is seen"),
-        ({"E": [0, -1.4]}, "comes from one point of the pedestal", "one point of the pedestal fills the window"),
-        (LENSLETS, "comes from a part of the knight’s plane", "0.15 tiles of the knight fill the window"),
-        (LENS, "in one point, at (−1.00, 0.00). The knight is not there", "nothing of the knight is seen"),
-        (MIRROR, "plane in a line at 45.0°", "one line of the knight’s plane fills the window"),
-        (SERIES, "comes from one point of the knight", "one point of the knight fills the window"),
+def test_the_pole_is_said_in_words(page):
+    for values, words in (
+        ({"alpha": 180, "z1": 6}, "point of the knight, straight in front"),
+        ({"alpha": 180, "z1": 5.8}, "Near the pole"),
+        ({"alpha": 180, "z1": 6, "E": [1.5, 0.5]}, "The knight is not there"),
+        ({"E": [0, -1.4]}, "comes from one point of the pedestal"),
+        (LENSLETS, "comes from a part of the knight’s plane"),
+        (LENS, "in one point, at (−1.00, 0.00). The knight is not there"),
+        (MIRROR, "plane in a line at 45.0°"),
+        (SERIES, "comes from one point of the knight"),
     ):
         if "sheet" in values:
             page.evaluate("fromHash('')")
         show(page, **values)
         expect(page.locator("#sentence")).to_contain_text(words)
-        expect(page.locator("#overlay .say")).to_have_text(seen)
     page.evaluate("fromHash('#alpha=180&z1=6')")
     show(page)
-    expect(page.locator("#diagram")).to_contain_text("P is infinitely far away")
     expect(page.locator("#value-nu")).to_have_text("undefined")
     show(page, z1=6.05, light="pencil")
     expect(page.locator("#light-says")).to_contain_text("in front of the window, as far from it as your eye: a real")
-    show(page, z1=3)
-    expect(page.locator("#overlay .say")).to_have_count(0)
     show(page, sheet="single", z1=6)
     expect(page.locator("#sentence")).to_contain_text("one height fills the window from top to bottom")
 
