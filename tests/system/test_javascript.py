@@ -613,22 +613,6 @@ def test_a_choice_opens_with_the_values_of_its_kind(page, name):
         assert each.symbol in text
 
 
-@pytest.mark.parametrize(
-    ("values", "turned"),
-    [
-        ({"sheet": "refraction", "ratio": 1, "alpha": 40}, 40),
-        ({"sheet": "axis", "axis": [0, 0, 0.5], "alpha": 0}, 0),
-        ({"sheet": "lenslets", "ratio": 1, "alpha": 50.01}, 50.01),
-        ({"sheet": "lenslets", "ratio": 1.01, "alpha": 50}, None),
-    ],
-    ids=str,
-)
-def test_a_sheet_that_is_the_papers_says_so(page, values, turned):
-    text = sentence(page, **values)
-    assert ("turns light as the ideal sheet does." in text) == bool(turned)
-    assert ("With these values the sheet does nothing." in text) == (turned == 0)
-
-
 def test_the_image_of_a_sheet_is_where_all_eyes_see_it(page):
     """The apparent positions for two eyes are on the lines from these eyes to the image."""
     for values, W in (
