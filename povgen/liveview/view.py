@@ -145,7 +145,8 @@ def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
     kept = stored(volumes(pieces(scene)))
     data = {"scene": values(scene), "volumes": kept, "label": _label(scene), "failures": failures}
     laws = to_live([scene, *others])
-    return to_html("liveview/page", data, script("liveview/main.js", laws=laws), laws, MOUNTAINS)
+    modules = script("liveview/main.js", "liveview/readout.js", laws=laws)  # povgen/measure/browser.py calls readout.js
+    return to_html("liveview/page", data, modules, laws, MOUNTAINS)
 
 
 def _moved(scene: Scene, moved: dict[str, Any]) -> Scene:

@@ -389,16 +389,6 @@ def test_16_bit_numbers_do_where_32_bit_textures_are_missing(page, browser, file
     other.close()
 
 
-def test_bench_says_the_frames_a_second(browser, file):
-    page = browser.new_page(viewport={"width": 64, "height": 48})
-    page.goto(f"{file.as_uri()}?bench")
-    page.evaluate(NAMES)
-    page.wait_for_function("document.getElementById('message').textContent.includes('frames a second')")
-    times = page.evaluate("bench(view, 3)")  # what a page that has the view in it can call
-    assert len(times) == 3 and min(times) > 0
-    page.close()
-
-
 def test_the_page_is_one_small_file(file):
     assert file.stat().st_size < 450_000  # half of it are the mountains
     text, mark, _ = file.read_text("utf-8").rpartition("<!-- povgen record ")
