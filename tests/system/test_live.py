@@ -13,7 +13,6 @@ from povgen.liveview import view
 from povgen.measure import verify_live
 from povgen.measure.browser import View, chromium
 from povgen.measure.opengl import OpenGLView
-from povgen.measure.probes import Directions
 from povgen.objects.floor import Floor
 from povgen.objects.piece import Piece
 from povgen.objects.sphere import Sphere
@@ -111,16 +110,6 @@ def test_the_view_shows_pictures_as_opengl(browser, tmp_path):
     figures = list(verify_live.same([(view, OpenGLView(scene))], (80, 60)))
     view.page.close()
     assert all(figure.holds for figure in figures), figures
-
-
-def test_the_view_shows_another_scene_as_opengl(browser):
-    """`set` changes everything that follows from the scene."""
-    first, then = Directions(sheet="detailed"), Directions(sheet="ideal", alpha=35, prisms=400, eye=(0.5, -0.5))
-    view, drawn = View(browser, first, [then]), OpenGLView(then)
-    view.set(then)
-    ours, theirs = drawn.readout(SIZE), view.readout(SIZE)
-    assert all(abs(ours[name] - theirs[name]).max() < 1e-5 for name in ours)
-    view.page.close()
 
 
 # ---- The page ----
