@@ -250,6 +250,7 @@ def test_options_that_a_shard_does_not_take(options, words, unmeasured, tmp_path
         (["frames", "chess"], ["command = 'frames': unknown; allowed: list, pov, frame, movie, "]),
         (["figure", "1-6"], ["number = '1-6'", "1, 2, 3, 4, 5 or 6, with spaces between"]),
         (["verify", "--json", "x.txt"], ["json = 'x.txt'", ".json"]),
+        (["demo", "--quality", "high"], ["quality = high: only movies are rendered; allowed: with --movies\n"]),
         (["demo", "--piece", "a,b"], ["piece = 'a,b'", "; give --piece once for each value\n"]),
         (
             ["demo", "--add", "none.toml"],

@@ -177,8 +177,11 @@ def test_a_finger_that_scrolls_from_a_slider_and_two_on_the_picture_change_nothi
     page, faults = opened(browser, demo_file, "#z1=2.345", has_touch=True)
     assert page.evaluate("say('page.hint')") == "Drag the object, or beside it to move your eye"  # by no keys
     upright, sideways = (390, 844), (740, 360)
+    for size in (sideways, upright):
+        resize(page, size)
+        action = "['stage', 'eye-picture'].map((id) => getComputedStyle($(id)).touchAction)"
+        assert page.evaluate(action) == ["pan-y pinch-zoom", "auto"]  # nobody sees that the eye is held
     # two fingers on the picture enlarge the page: what the first one has begun to drag is as it was
-    resize(page, upright)
     window = page.context.new_cdp_session(page)
     for hash_, y, begun in (
         ("#z1=2", 150, 40),
