@@ -86,19 +86,6 @@ def links(page):
     return re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S))
 
 
-def test_the_page_of_the_architecture_has_every_folder():
-    text = (PROJECT / "docs" / "architecture.md").read_text()
-    folders = [path.parent.name for path in (PROJECT / "povgen").glob("*/__init__.py")]
-    named = re.findall(r"^\| `(\w+)/` \|", text, re.M)
-    assert sorted(named) == sorted(folders)
-    files = re.findall(r"^\| `(\w+)/`.*\| (.*) \|$", text, re.M)
-    assert all(
-        (PROJECT / "povgen" / folder / file).exists()
-        for folder, found in files
-        for file in found.replace("`", "").split(", ")
-    )
-
-
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_links_lead_somewhere(page):
     ours = tuple(tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]["urls"].values())
