@@ -36,8 +36,10 @@ def test_presets_play_loop_stop_and_scrub(page):
     page.keyboard.press("3")
     assert page.evaluate("state.scene") == "spheres"
     page.evaluate("player.pause(); draw()")
-    show(page, scene="chess")
+    show(page, scene="chess", sheet="none")
     assert page.evaluate("player.preset.name") == "vary-alpha"
+    page.get_by_role("button", name="Play").click()
+    assert page.evaluate("[state.sheet, player.playing]") == ["ideal", True]
 
 
 def test_reduced_motion(page):
