@@ -227,6 +227,19 @@ def test_adding_adds(tmp_path, environment):
         assert done.returncode == 0, done.stdout + done.stderr
     listed = subprocess.run(["povgen", "list"], env=environment, capture_output=True, text=True).stdout
     assert "spire" in listed and "ellipsoid" in listed and "near-and-far" in listed
+    room = [
+        "povgen",
+        "frame",
+        "room",
+        "--object=kind=ellipsoid,z=2",
+        "--window=alpha=60",
+        "--size=96x72",
+        "--antialias=off",
+    ]
+    for name in ("gl", "povray"):
+        subprocess.run([*room, "--renderer", name, "-o", tmp_path / f"{name}.png"], env=environment, check=True)
+    gl, pov = (iio.imread(tmp_path / f"{name}.png").astype(int) for name in ("gl", "povray"))
+    assert (abs(gl - pov).max(-1) < 15).mean() > 0.99 and (gl[..., 1] > gl[..., 0] + 25).sum() > 50  # it is green
     subprocess.run(["povgen", "demo", "-o", tmp_path / "page.html"], env=environment, check=True)
     assert '<option value="cylinder" data-say="kinds.cylinder.choice"></option>' in (tmp_path / "page.html").read_text()
 
