@@ -26,7 +26,6 @@ def test_a_choice_is_seen_in_high_contrast(page):
     # a slider's track has a colour of the user's, and the drawings keep their own paper
     assert page.evaluate("getComputedStyle($('slider-z1')).forcedColorAdjust") == "none"
     assert page.evaluate("getComputedStyle($('space-turn')).backgroundColor") == "rgb(255, 254, 251)"
-    page.evaluate("session.pinned = ''; mark('')")
 
 
 def test_the_coordinates_of_P_say_their_origin(page):
