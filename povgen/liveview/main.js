@@ -2,7 +2,6 @@
 
 import { onArrows, onDrag } from "./pointer.js";
 import { camera, steppedEye } from "./presets.js";
-import { benchText } from "./readout.js";
 import { LiveView } from "./view.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -21,9 +20,6 @@ window.addEventListener("message", ({ source, data }) => {
   if (!holds) makeSliders();
 });
 makeSliders();
-if (new URLSearchParams(location.search).has("bench")) {
-  view.ready.then(() => view.gl && (message.textContent = benchText(view)));
-}
 
 // ---- Moving the eye, and changing alpha ----
 

@@ -50,24 +50,3 @@ export function still({ context, canvas }, width, height) {
   context.repaint();
   return made;
 }
-
-// Milliseconds of each of some frames of the canvas's size, one ray a pixel.
-export function bench({ context, canvas }, count = 20) {
-  const { gl } = context;
-  const times = [], size = [canvas.width, canvas.height];
-  for (let k = 0; k <= count; k++) {
-    const start = performance.now();
-    context.show(context.addRay("still", size, 0), size, 1);
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // waits for the graphics processor
-    if (k) times.push(performance.now() - start);  // the first one compiles
-  }
-  return times;
-}
-
-// What `bench` measures, in words.
-export function benchText(view) {
-  const times = bench(view).sort((a, b) => a - b);
-  const [median, worst] = [times[times.length >> 1], times[times.length - 1]].map((time) => time.toFixed(1));
-  const { width, height } = view.canvas;
-  return `${width}x${height}, one ray a pixel: ${(1000 / median).toFixed(1)} frames a second, median ${median} ms, longest ${worst} ms`;
-}

@@ -1,6 +1,5 @@
 """The live view of a scene: in Jupyter, or as a page of its own."""
 
-from collections.abc import Iterable
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
@@ -136,16 +135,14 @@ class Live:
         return output
 
 
-def html(scene: Scene, others: Iterable[Scene] = ()) -> str:
-    """Return the page that shows a scene's live view. It can also change to the sheets of the `others`.
-
-    Raises what `volumes` and `values` raise.
-    """
+def html(scene: Scene) -> str:
+    """Return the page that shows a scene's live view. Raises what `volumes` and `values` raise."""
     failures = languages.tables({})["en"]["failures"]
     kept = stored(volumes(pieces(scene)))
     data = {"scene": values(scene), "volumes": kept, "label": _label(scene), "failures": failures}
-    laws = to_live([scene, *others])
-    return to_html("liveview/page", data, script("liveview/main.js", laws=laws), laws, MOUNTAINS)
+    laws = to_live([scene])
+    modules = script("liveview/main.js", "liveview/readout.js", laws=laws)  # povgen/measure/browser.py calls readout.js
+    return to_html("liveview/page", data, modules, laws, MOUNTAINS)
 
 
 def _moved(scene: Scene, moved: dict[str, Any]) -> Scene:

@@ -2,9 +2,9 @@
 
 import base64
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,6 @@ from povgen import remedies
 from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.inputs.hdr import encoded
-from povgen.liveview.values import values
 from povgen.liveview.view import html
 from povgen.scene.scenes import AxialScene
 
@@ -65,27 +64,21 @@ def chromium() -> Iterator["Browser"]:
 class View:
     """A page that shows a scene's live view. Pictures have their first row at the top."""
 
-    name: ClassVar[str] = "povgen.main.view"  # of the live view, in the page's scripts
-
-    def __init__(self, browser: "Browser", scene: AxialScene, others: Iterable[AxialScene] = ()) -> None:
-        """Open the page, which can also show the sheets of the others. Raises InputError if the browser cannot draw."""
+    def __init__(self, browser: "Browser", scene: AxialScene) -> None:
+        """Open the page. Raises InputError if the browser cannot draw."""
         self.page: Page = browser.new_page(viewport={"width": 32, "height": 24})
         with temporary_folder() as folder:
             file = folder / "view.html"
-            file.write_text(html(scene, others), "utf-8")
+            file.write_text(html(scene), "utf-8")
             self.page.goto(file.as_uri())
             self.page.evaluate("povgen.main.view.ready")
         if not self.page.evaluate("Boolean(povgen.main.view.gl)"):
             raise InputError(f"Chromium: {self.page.inner_text('#message')}")
 
-    def set(self, scene: AxialScene) -> None:
-        """Show another scene: with kinds of pieces of the first scene, and sheets of the first scene or the others."""
-        self.page.evaluate("(values) => povgen.main.view.set(values)", values(scene))
-
     def readout(self, size: Size) -> dict[str, Floats]:
         """Return `ray`, `shown` and `met`, (height, width, 4) each. povgen/liveview/readout.glsl explains them."""
         names = ("ray", "shown", "met")
-        script = f"(size) => Object.values(povgen.readout.readout({self.name}, ...size)).map({ENCODE})"
+        script = f"(size) => Object.values(povgen.readout.readout(povgen.main.view, ...size)).map({ENCODE})"
         found = self.page.evaluate(script, list(size))
         return {name: _pixels(text, size) for name, text in zip(names, found, strict=True)}
 
@@ -95,7 +88,7 @@ class View:
         `rays` rays are followed for each pixel. They are spread over the middle `part` of the pixel's width and height:
         with 0, all pass the pixel's centre. A transparent background is black.
         """
-        script = f"(numbers) => ({ENCODE})(povgen.readout.light({self.name}, ...numbers))"
+        script = f"(numbers) => ({ENCODE})(povgen.readout.light(povgen.main.view, ...numbers))"
         light = _pixels(self.page.evaluate(script, [*size, rays, part]), size)[..., :3] / np.float32(rays)
         return np.rint(encoded(light)).astype(np.uint8)
 

@@ -49,7 +49,7 @@ function triangleDiagram(now, map, box, rem) {
     ...(map.ofTiles ? windowOutline(map, now) : axes(at, box, rem)),
     ...(two ? [...family(map, box), ...curves(map, now), ...(map.ofTiles ? [] : scaleNames(at, now, rem))] : []),
     ...(P && abs(minus(L, E)) >= 1 ? triangle(L, E, P, angles, rem, box) : []),
-    ...(two && P ? others(map, now, rem) : []), ...corners(L, E, P, rem, box), ...(two && !P ? poleWords([L, E], box.height, rem) : []),
+    ...(two && P ? others(map, now, rem) : []), ...corners(L, E, P, rem, box),
   ];
 }
 
@@ -60,16 +60,6 @@ function diagramName(now) {
   const P = finite(now.P) ? point(now.P) : say("diagram.infinite");
   const nu = angle(equations.nu(now.r, now.alpha));
   return say("diagram.triangle", { P, alpha: `${fixed(now.degrees, 1)}°`, nu, r: size(now.r) });
-}
-
-// Below L and E, or between them: the switch is above.
-function poleWords(points, height, rem) {
-  const room = (y) => Math.min(...points.map((point) => Math.abs(point[1] - y)));
-  const [y] = [0.36, 0].map((part) => part * height).sort((a, b) => room(b) - room(a));
-  const x = y === 0 && height < 14 * rem ? 4.3 * rem : 0;  // to the right of the switch
-  return [
-    words("far", [x, y - 0.7 * rem], say("diagram.far")), words("far", [x, y + 0.7 * rem], say("diagram.far_light")),
-  ];
 }
 
 function windowOutline({ ofTiles, tile }, { scene }) {

@@ -1,6 +1,5 @@
 // Show the state everywhere: in the picture, the diagram, the numbers, the address, and in words.
 
-import { benchText } from "../liveview/readout.js";
 import { fromHash, toHash } from "./address.js";
 import { drawQuestion, endGlide, rewriteQuestion } from "./asking.js";
 import { drawTabs, fillPage, showInputs, showMarks, showNumbers } from "./controls.js";
@@ -145,4 +144,3 @@ const left = isReloaded && inTab("tour");
 if (left) tour.start(...JSON.parse(left));
 else if (document.body.classList.contains("begins") && !document.body.classList.contains("present")) tour.start();
 refresh();
-if (new URLSearchParams(location.search).has("bench")) view.ready.then(() => view.gl && ($("message").textContent = benchText(view)));

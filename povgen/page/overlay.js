@@ -5,14 +5,13 @@ import { hasPiece } from "../liveview/presets.js";
 import { abs, arg, finite, minus, plus, scaled, times, turn } from "./complex.js";
 import { $, data } from "./data.js";
 import * as equations from "./equations.js";
-import { angle, brief, rough, say } from "./language.js";
-import { apparentOutline, apparentPosition, appearance, contents, imagingPole, markedPosition, moment, NEAR_POLE, unsure } from "./moment.js";
+import { angle, brief, say } from "./language.js";
+import { apparentOutline, apparentPosition, appearance, markedPosition, moment, NEAR_POLE, unsure } from "./moment.js";
 import { outlineOf } from "./outline.js";
-import { thing } from "./phrases.js";
 import { povray } from "./player.js";
 import { along, awayP, branches, corner, corners, curve, dot, edge, line, step, svg, triangle, words } from "./shapes.js";
 import { session, state } from "./state.js";
-import { caption, isToBeFound } from "./text.js";
+import { caption } from "./text.js";
 
 export const overlay = $("overlay");
 export const stage = $("stage");
@@ -29,7 +28,6 @@ export function drawOverlay(now) {
   const parts = [];
   if (now.two && (state.circles || PATHS.includes(session.marked))) parts.push(...paths(now));
   parts.push(...dashed(), ...image(now), ...construction(now, rem, box), ...marks(now, rem, box));
-  if (now.nearPole && !isToBeFound()) parts.push(words("say", [0, -0.25 * box.height], poleText(now)));
   parts.push(...key(now, rem));
   overlay.setAttribute("viewBox", `${-box.width / 2} ${-box.height / 2} ${box.width} ${box.height}`);
   overlay.style.fontSize = `${rem}px`;
@@ -52,14 +50,6 @@ function drawCaption(parts, { width, height }, rem) {
   }
   const top = height / 2 - (1.3 * lines.length - 0.2) * rem;
   text.replaceChildren(...lines.map((line, n) => svg("tspan", { x: 0, y: top + 1.3 * n * rem }, line)));
-}
-
-function poleText(now) {
-  const { M, seen } = now;
-  if (imagingPole(now, now.z1, now.z2) === "line") return say("overlay.line", { thing: thing() });
-  const what = contents(now).has("thing") ? "" : contents(now).has("pedestal") ? "_of_pedestal" : null;
-  if (what === null) return say("overlay.nothing", { thing: thing() });
-  return say(`overlay.${Number.isFinite(M) ? "part" : "point"}${what}`, { thing: thing(), count: Number(seen.toPrecision(2)), number: rough(seen) });
 }
 
 const PATHS = ["alpha", "r", "z1", "z2"];  // the quantities that the paths show

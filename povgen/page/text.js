@@ -2,9 +2,8 @@
 
 import { radians } from "../liveview/geometry.js";
 import * as presets from "../liveview/presets.js";
-import { bending } from "../liveview/sheets.js";
 import { fieldOf, imageDepth } from "./apparent.js";
-import { abs, arg, finite, minus, quotient } from "./complex.js";
+import { finite } from "./complex.js";
 import { $, data } from "./data.js";
 import { angle, brief, briefly, entry, fixed, forms, listed, prismsText, quantity, say, SYMBOL, tilesText, timesText } from "./language.js";
 import { contents, frameDepth, outside, pupilBlur, unsure } from "./moment.js";
@@ -151,8 +150,6 @@ function work(now) {
     const field = angle(Math.atan(fieldOf(values)));
     return `${values.ratio === 1 ? does : sentence(window, "sentence_ratio")} ${ofKind("lenticular", "remark", { field })}`;
   }
-  const turned = rotationBy(bending(window));
-  if (turned !== null) return Math.abs(turned) < 1e-9 ? say("seen.does_nothing") : `${does} ${say("seen.papers_window")}`;
   return [does, ...(entry(`kinds.${now.sheet}.remark`) ? [ofKind(now.sheet, "remark")] : []), ...image(now)].join(" ");
 }
 
@@ -167,14 +164,6 @@ function image(now) {
   const W = imageDepth(now.windows, now.z1);
   const place = Number.isFinite(W) ? imagePlace(W, now.z2, now.d ? "first_window" : "window") : say("image.infinite");
   return Number.isNaN(W) ? [] : [say("image.is", { thing: thing(), place })];
-}
-
-// The angle by which a sheet turns all light about its normal; null if it does something else.
-function rotationBy(bend) {
-  const rays = [[[0.3, 0.1], [0, 0]], [[-0.5, 0.4], [0.7, -0.2]], [[0.2, -0.6], [-0.4, 0.9]]];
-  const [first, ...others] = rays.map(([slope, place]) => quotient(bend(slope, place) ?? [NaN, NaN], slope));
-  const same = Math.abs(abs(first) - 1) < 1e-9 && others.every((other) => abs(minus(other, first)) < 1e-9);
-  return same ? arg(first) : null;
 }
 
 // Whether two windows that rotate light form an image, and where. Z - z2 is the image's distance behind the first window, if it is real: docs/beyond.md.

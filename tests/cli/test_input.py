@@ -41,7 +41,7 @@ stop = 180
     ("options", "words"),
     [
         (["--alpha", "nan"], ["alpha", "nan", "finite"]),
-        (["--alpha", "six"], ["alpha = 'six': should be a number (ray-rotation"]),
+        (["--alpha", "six"], ["alpha = 'six': should be a number (rotation angle"]),
         (["--z1", "0.05"], ["z1", "0.05", "knight", "0.58"]),
         (["--z1", "1", "--z1", "2", "--x", "0"] + ["--x", "1"] * 2, ["2 values of z1", "3 values of x"]),
         (["--z2", "0.1"], ["z2", "0.1", "0.16"]),
@@ -250,6 +250,7 @@ def test_options_that_a_shard_does_not_take(options, words, unmeasured, tmp_path
         (["frames", "chess"], ["command = 'frames': unknown; allowed: list, pov, frame, movie, "]),
         (["figure", "1-6"], ["number = '1-6'", "1, 2, 3, 4, 5 or 6, with spaces between"]),
         (["verify", "--json", "x.txt"], ["json = 'x.txt'", ".json"]),
+        (["demo", "--quality", "high"], ["quality = high: only movies are rendered; allowed: with --movies\n"]),
         (["demo", "--piece", "a,b"], ["piece = 'a,b'", "; give --piece once for each value\n"]),
         (
             ["demo", "--add", "none.toml"],

@@ -86,19 +86,6 @@ def links(page):
     return re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S))
 
 
-def test_the_page_of_the_architecture_has_every_folder():
-    text = (PROJECT / "docs" / "architecture.md").read_text()
-    folders = [path.parent.name for path in (PROJECT / "povgen").glob("*/__init__.py")]
-    named = re.findall(r"^\| `(\w+)/` \|", text, re.M)
-    assert sorted(named) == sorted(folders)
-    files = re.findall(r"^\| `(\w+)/`.*\| (.*) \|$", text, re.M)
-    assert all(
-        (PROJECT / "povgen" / folder / file).exists()
-        for folder, found in files
-        for file in found.replace("`", "").split(", ")
-    )
-
-
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_links_lead_somewhere(page):
     ours = tuple(tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]["urls"].values())
@@ -240,6 +227,19 @@ def test_adding_adds(tmp_path, environment):
         assert done.returncode == 0, done.stdout + done.stderr
     listed = subprocess.run(["povgen", "list"], env=environment, capture_output=True, text=True).stdout
     assert "spire" in listed and "ellipsoid" in listed and "near-and-far" in listed
+    room = [
+        "povgen",
+        "frame",
+        "room",
+        "--object=kind=ellipsoid,z=2",
+        "--window=alpha=60",
+        "--size=96x72",
+        "--antialias=off",
+    ]
+    for name in ("gl", "povray"):
+        subprocess.run([*room, "--renderer", name, "-o", tmp_path / f"{name}.png"], env=environment, check=True)
+    gl, pov = (iio.imread(tmp_path / f"{name}.png").astype(int) for name in ("gl", "povray"))
+    assert (abs(gl - pov).max(-1) < 15).mean() > 0.99 and (gl[..., 1] > gl[..., 0] + 25).sum() > 50  # it is green
     subprocess.run(["povgen", "demo", "-o", tmp_path / "page.html"], env=environment, check=True)
     assert '<option value="cylinder" data-say="kinds.cylinder.choice"></option>' in (tmp_path / "page.html").read_text()
 

@@ -1,19 +1,14 @@
 """Unusual names, links, read-only folders, users without a home, missing settings and closed standard files."""
 
-import json
 import os
 import pty
-import shutil
 import subprocess
-import sys
 from contextlib import suppress
-from functools import cache
-from pathlib import Path
 
 import conftest
 import imageio_ffmpeg
 import pytest
-from conftest import POVGEN, povgen, run_povgen, some
+from conftest import POVGEN, povgen, refused, run_povgen, some
 
 TINY = ["--size", "64x48", "--sheet", "none"]
 SPEC = conftest.SPEC.replace("frames = 8", "frames = 3")
@@ -83,79 +78,16 @@ def test_surroundings_that_lack_something(tmp_path):
     assert "ö.toml" in run_povgen("movie", "ö.toml", cwd=tmp_path, env=environment, status=2).stderr
 
 
-@cache
-def ordinary():
-    """Return the start of a command line that runs a command without root's rights, if the tests run as root.
-
-    It runs as the user nobody or, if nobody may not start Python, as a root without its rights.
-    """
-    if os.getuid():
-        return []
-    nobody = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"]
-    # setpriv itself may start what nobody may not, so nobody's Python starts another one
-    again = "import os, sys; os.execv(sys.executable, [sys.executable, '-c', ''])"
-    starts = subprocess.run([*nobody, sys.executable, "-c", again], capture_output=True).returncode == 0
-    return nobody if starts else ["setpriv", "--bounding-set=-all", "--inh-caps=-all"]
-
-
-# runs command lines one after the other, each in a folder and with a cache; prints what each one has done
-SEVERAL = """
-import json, os, sys
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
-from povgen.cli import app
-for folder, os.environ["POVGEN_CACHE"], line in json.loads(sys.argv[1]):
-    os.chdir(folder)
-    sys.argv[1:] = line
-    try:
-        with redirect_stdout(StringIO()) as out, redirect_stderr(StringIO()) as err:
-            app.main()
-    except SystemExit as end:
-        print(json.dumps([end.code or 0, out.getvalue(), err.getvalue()]))
-"""
-
-
-def as_nobody(lines):
-    """Return the exit status, the output and the errors of each of several command lines."""
-    command = [*ordinary(), sys.executable, "-c", SEVERAL, json.dumps(lines)]
-    done = subprocess.run(command, cwd="/", env={"PATH": os.environ["PATH"]}, capture_output=True, text=True)
-    assert done.returncode == 0 and "Traceback" not in done.stdout, done.stderr
-    return [json.loads(line) for line in done.stdout.splitlines()]
-
-
-@pytest.fixture
-def open_folder():
-    """A folder that every user can reach and write to."""
-    folder = Path("/var/tmp" if os.access("/var/tmp", os.W_OK) else "/tmp") / f"povgen-test-{os.getpid()}"
-    folder.mkdir()
-    folder.chmod(0o777)
-    yield folder
-    shutil.rmtree(folder)
-
-
-def test_folders_that_cannot_be_written_to(open_folder):
-    (open_folder / "shut").mkdir(mode=0o555)
-    (open_folder / "shut" / "there.png").write_bytes(b"kept")
-    (open_folder / "shut" / "there.png").chmod(0o444)
-    (open_folder / "a.toml").write_text(SPEC)
-    folder, shut, own = str(open_folder), str(open_folder / "shut"), str(open_folder / "cache")
-    frame = ["frame", "chess", *TINY]
-    *refusals, shard, no_cache, checked = as_nobody(
-        [
-            (folder, own, [*frame, "-o", "shut/a.png"]),
-            (folder, own, [*frame, "-o", "shut/there.png"]),
-            (folder, own, ["movie", "vary-z1", "-o", "shut/a.mp4"]),
-            (shut, own, ["movie", "../a.toml", *TINY, "--shard", "1/3"]),
-            (folder, f"{shut}/c", frame),
-            (folder, shut, ["check"]),
-        ]
-    )
-    for status, _, said in refusals:
-        assert status == 2 and "shut/" in said and "allowed" in said and len(said.splitlines()) <= 2
-    assert shard[0] == 0
-    assert no_cache[0] == 1 and all(word in no_cache[2] for word in ("Permission denied", "shut/c", "POVGEN_CACHE"))
-    assert os.listdir(shut) == ["there.png"] and not (open_folder / "frame.png").exists()
-    assert checked[0] == 1 and f"FAULT  cache: {shut}: Permission denied (" in checked[1]
+def test_folders_that_cannot_be_written_to(tmp_path, monkeypatch):
+    """Nobody can make files in /proc."""
+    for line in (["frame", "chess", *TINY, "-o", "/proc/a.png"], ["movie", "vary-z1", "-o", "/proc/a.mp4"]):
+        said = refused(line, tmp_path)
+        assert "'/proc/a." in said and "allowed" in said
+    monkeypatch.setenv("POVGEN_CACHE", "/proc/cache")
+    status, _, said = povgen(["frame", "chess", *TINY], tmp_path)
+    assert status == 1 and "/proc/cache" in said and "POVGEN_CACHE" in said
+    status, printed, _ = povgen(["check"], tmp_path)
+    assert status == 1 and "FAULT  cache: /proc/cache: " in printed and not os.listdir(tmp_path)
 
 
 def test_on_a_terminal_and_without(tmp_path):

@@ -73,7 +73,7 @@ def page(shared_page):
     page.evaluate(STILL)
     page.evaluate(COARSE)
     page.set_viewport_size(WORK)
-    page.emulate_media(reduced_motion="no-preference", forced_colors="none")
+    page.emulate_media(media="screen", color_scheme="light", reduced_motion="no-preference", forced_colors="none")
     page.evaluate(
         """() => {
           player.pause();
@@ -81,6 +81,13 @@ def page(shared_page):
           localStorage.clear();
           take();
           endGlide();  // of an earlier test, on a busy machine
+          PACE.RAYS = 1;
+          OPENING.level = "expert";
+          choose("en");
+          present(false);
+          if (document.documentElement.dataset.look === "dark") $("dark").click();
+          $("teach").close();
+          for (const each of document.querySelectorAll(":popover-open")) each.hidePopover();
           player.preset = data.presets[0];
           state.question = -1;
           session.lastQuestion = 0;
@@ -89,6 +96,11 @@ def page(shared_page):
           $("loop").checked = false;
           $("shortcuts").checked = true;
           for (const each of document.querySelectorAll("details")) each.open = false;
+          for (const each of document.querySelectorAll("[aria-expanded]")) {
+            if (!$(each.getAttribute("aria-controls")).hidden) each.click();
+          }
+          session.pinned = "";
+          mark("");
           document.activeElement.blur();
           scrollTo(0, 0);
           draw();

@@ -1,11 +1,9 @@
-"""The file of the teaching page, its address, and the command that makes it."""
+"""The file of the teaching page, and its address."""
 
 import re
 
-from conftest import PROJECT, povgen, refused
+from conftest import PROJECT
 from playwright.sync_api import expect
-
-from povgen import Spheres, live
 
 
 def test_the_page_is_one_small_file(demo_file):
@@ -15,32 +13,6 @@ def test_the_page_is_one_small_file(demo_file):
     assert text.count('src="data:image/webp') == 1
     assert not re.search(r'(src|href)="(?!data:|\$\{)', text)
     assert all(path.read_text() in text for path in (PROJECT / "povgen" / "page").glob("*.css"))
-
-
-def test_a_page_has_one_global_name(browser, demo_file, tmp_path):
-    page = browser.new_page()
-    (tmp_path / "empty.html").touch()
-    names = []
-    for file in (tmp_path / "empty.html", demo_file, live(Spheres(sheet="none")).save(tmp_path / "view.html")):
-        page.goto(file.as_uri())
-        names.append(set(page.evaluate("Object.keys(window)")))
-    assert names[1] - names[0] == names[2] - names[0] == {"povgen"}
-    page.close()
-
-
-def test_the_command(tmp_path):
-    status, out, _ = povgen(["demo", "-o", "a page.html"], tmp_path)
-    assert status == 0 and out == "wrote a page.html\n"
-    assert [path.name for path in tmp_path.iterdir()] == ["a page.html"]
-    for wrong, said in (
-        (["-o", "page"], "output"),
-        (["--quality", "high"], "quality = high: only movies are rendered; allowed: with --movies"),
-        (["--movies", "--quality", "best"], "quality"),
-        (["--movies", "--stereo", "pair"], "stereo"),
-        (["--movies", "--workers", "0"], "workers"),
-        (["--piece", "nowhere.inc"], "piece"),
-    ):
-        assert said in refused(["demo", *wrong], tmp_path)
 
 
 def test_back_and_forward(page):

@@ -18,8 +18,7 @@ from demo.conftest import COARSE, DRAWN, WORK, Faults, bounds, picture, pixels, 
 @pytest.fixture
 def share(page):
     page.get_by_role("button", name="More").click()
-    yield page
-    page.get_by_role("button", name="More").click()
+    return page
 
 
 def test_the_link_is_copied_or_shown(share):

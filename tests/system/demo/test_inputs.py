@@ -167,16 +167,6 @@ def test_the_piece_itself_is_dragged_and_beside_it_the_eye(page):
     assert complex(*page.evaluate("state.E")) == pytest.approx(0.5 - 0.1j, abs=0.02)
 
 
-def test_parallax(page):
-    """At alpha = 180 degrees the image moves against the eye, more than the window: it floats before the window."""
-    show(page, alpha=180, image=True)
-    before = centre(page, "#object-picture")
-    assert "floats 2 tiles in front of the window" in page.locator("#sentence").text_content()
-    drag(page, -1.4 + 1.2j, 0.5)
-    moved = centre(page, "#object-picture") - before
-    assert moved == pytest.approx(-0.25, abs=0.02)
-
-
 def test_spheres_are_chosen_by_dragging(page):
     show(page, scene="spheres", alpha=120)
     scene = scene_of(page)
@@ -223,27 +213,3 @@ def test_arrow_keys_move_eye_and_object(page):
     expect(page.locator("#eye-picture")).to_have_attribute(
         "aria-label", "Eye E, 0.05 tiles to the right and 0.25 tiles up from the window’s middle: arrow keys move it"
     )
-
-
-def test_a_swipe_that_scrolls_the_page_moves_nothing(page):
-    for width, height in ((844, 390), (390, 844)):
-        page.set_viewport_size({"width": width, "height": height})
-        touch = "['stage', 'eye-picture'].map((id) => getComputedStyle($(id)).touchAction)"
-        assert page.evaluate(touch) == ["pan-y pinch-zoom", "auto"]  # nobody sees that the eye is held
-    places = page.evaluate(
-        """() => [stage, $("space-turn")].map((part) => {
-          const box = part.getBoundingClientRect(), at = [box.left + 60, box.top + 60];
-          const place = () => JSON.stringify([state.E, session.camera]);
-          const send = (type, step) => part.dispatchEvent(new PointerEvent(type,
-            { pointerId: 1, isPrimary: true, bubbles: true, clientX: at[0], clientY: at[1] + step, buttons: 1 }));
-          part.setPointerCapture = () => {};
-          const before = place();
-          send("pointerdown", 0);
-          send("pointermove", 8);
-          const moved = place();
-          send("pointercancel", 8);
-          delete part.setPointerCapture;
-          return [before, moved, place()];
-        })"""
-    )
-    assert all(before == after != moved for before, moved, after in places)

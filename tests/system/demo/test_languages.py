@@ -30,23 +30,20 @@ def test_the_browser_chooses_the_language(browser, demo_file, locale, language):
 
 
 def test_the_language_is_changed_and_kept_in_the_address(page):
-    try:
-        page.get_by_label("Language").select_option("de")
-        expect(page.locator("#reset")).to_have_text("Zurücksetzen")
-        expect(page.locator("#sentence")).to_have_text(
-            "Der Springer erscheint um 15,0° gegen den Uhrzeigersinn gedreht und 1,13-mal so groß wie ohne die Platten."
-        )
-        expect(page.locator("#piece option").first).to_have_text("Bauer")
-        page.locator("#number-z1").fill("2,5")
-        assert page.evaluate("state.z1") == 2.5 and "language=de" in page.evaluate("toHash()")
-        page.evaluate("openQuestion(1); draw()")
-        expect(page.locator("#ask")).to_contain_text("In welchem Sinn dreht sich der Springer?")
-        page.evaluate("fromHash('#language=fr'); draw()")
-        expect(page.locator("#reset")).to_have_text("Réinitialiser")
-        page.locator("#number-alpha").fill("181")
-        expect(page.locator("#sentence")).to_contain_text("180°")
-    finally:
-        page.evaluate("choose('en'); draw()")
+    page.get_by_label("Language").select_option("de")
+    expect(page.locator("#reset")).to_have_text("Zurücksetzen")
+    expect(page.locator("#sentence")).to_have_text(
+        "Der Springer erscheint um 15,0° gegen den Uhrzeigersinn gedreht und 1,13-mal so groß wie ohne die Platten."
+    )
+    expect(page.locator("#piece option").first).to_have_text("Bauer")
+    page.locator("#number-z1").fill("2,5")
+    assert page.evaluate("state.z1") == 2.5 and "language=de" in page.evaluate("toHash()")
+    page.evaluate("openQuestion(1); draw()")
+    expect(page.locator("#ask")).to_contain_text("In welchem Sinn dreht sich der Springer?")
+    page.evaluate("fromHash('#language=fr'); draw()")
+    expect(page.locator("#reset")).to_have_text("Réinitialiser")
+    page.locator("#number-alpha").fill("181")
+    expect(page.locator("#sentence")).to_contain_text("180°")
 
 
 def test_from_right_to_left_the_picture_and_numbers_stay(page):
@@ -56,22 +53,19 @@ def test_from_right_to_left_the_picture_and_numbers_stay(page):
     place = centre(page, "#predicted")
     stage, slider, field, symbol = page.evaluate(boxes)
     assert stage < symbol < slider < field
-    try:
-        page.get_by_label("Language").select_option("ar")
-        page.wait_for_function("document.documentElement.dir === 'rtl'")
-        page.evaluate("draw()")
-        stage, slider, field, symbol = page.evaluate(boxes)
-        assert field < slider < symbol < stage
-        assert centre(page, "#predicted") == pytest.approx(place, abs=0.01)
-        assert page.evaluate("getComputedStyle($('number-Lx')).direction") == "ltr"
-        place = "\u22120.30, \u22120.85"
-        assert f"\u2068{place}\u2069" in page.evaluate("(place) => say('pole.at', { place })", place)
-        said = page.evaluate("describe(moment())")
-        assert "\u20680.3\u2069" in said and "\u2068α = 66.0°\u2069" in said
-        page.locator("#number-alpha").fill("−٤٥٫٥ درجة")
-        assert page.evaluate("state.alpha") == -45.5
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-        page.evaluate("change({ sheet: 'glens' }); draw()")
-        assert {*page.evaluate(HIDDEN)} <= {"صورة POV-Ray", *(table["name"] for table in tables(ALL_KINDS).values())}
-    finally:
-        page.evaluate("choose('en'); draw()")
+    page.get_by_label("Language").select_option("ar")
+    page.wait_for_function("document.documentElement.dir === 'rtl'")
+    page.evaluate("draw()")
+    stage, slider, field, symbol = page.evaluate(boxes)
+    assert field < slider < symbol < stage
+    assert centre(page, "#predicted") == pytest.approx(place, abs=0.01)
+    assert page.evaluate("getComputedStyle($('number-Lx')).direction") == "ltr"
+    place = "\u22120.30, \u22120.85"
+    assert f"\u2068{place}\u2069" in page.evaluate("(place) => say('pole.at', { place })", place)
+    said = page.evaluate("describe(moment())")
+    assert "\u20680.3\u2069" in said and "\u2068α = 66.0°\u2069" in said
+    page.locator("#number-alpha").fill("−٤٥٫٥ درجة")
+    assert page.evaluate("state.alpha") == -45.5
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.evaluate("change({ sheet: 'glens' }); draw()")
+    assert {*page.evaluate(HIDDEN)} <= {"صورة POV-Ray", *(table["name"] for table in tables(ALL_KINDS).values())}

@@ -1,19 +1,13 @@
 """Rooms in the teaching page: from a file, an example or a link."""
 
 import numpy as np
-import pytest
 from conftest import PROJECT
 from playwright.sync_api import expect
 
 from povgen import Room
 from povgen.liveview.values import values
-from povgen.measure.browser import View
-from povgen.measure.opengl import OpenGLView
-from povgen.page.page import FACES
 from povgen.page.rooms import EXAMPLES
-from povgen.scene.survey import max_trace_level
 
-SIZE = (40, 30)
 ROOM = """
 title = "my room"  # a movie's
 frame_rate = 10
@@ -74,44 +68,11 @@ y = -2
 """
 
 
-class InDialog(View):
-    """The view of a room."""
-
-    name = "povgen.rooms.roomView()"
-
-    def __init__(self, page):
-        self.page = page
-
-
 def choose(page, tmp_path, text):
     file = tmp_path / "a room.toml"
     file.write_text(text, "utf-8")
     page.locator("#rooms-file").set_input_files(file)
     return file
-
-
-def same_rays(page, room):
-    """Return the part of the rays that go as OpenGL's, which end after the same number of faces of prisms."""
-    page.evaluate("(faces) => { data.faces = faces; draw(); }", max_trace_level(room))
-    ours, theirs = OpenGLView(room).readout(SIZE), InDialog(page).readout(SIZE)
-    return ((abs(ours["ray"] - theirs["ray"]).max(-1) < 1e-3) & (ours["shown"] == theirs["shown"]).all(-1)).mean()
-
-
-@pytest.mark.release  # what the live view draws is tested in test_live.py too
-def test_a_room_of_a_file_looks_as_povgen_draws_it(page, tmp_path):
-    """Also after a slider has moved a window, and an arrow key the eye."""
-    room = Room.load(choose(page, tmp_path, ROOM))
-    page.wait_for_function("roomView()?.gl")
-    assert same_rays(page, room) > 0.998
-    ours, theirs = (each.picture(SIZE, 1, part=0).astype(int) for each in (OpenGLView(room), InDialog(page)))
-    assert (abs(ours - theirs).max(-1) <= 2).mean() > 0.98  # the browser writes the text and the ruler's numbers
-    page.locator("#rooms-window").select_option("tilted")
-    page.locator("#rooms-yaw").fill("20")
-    page.locator("#rooms-area").press("Shift+ArrowRight")
-    page.evaluate("draw()")
-    x, _, z = np.array(room.camera.eye) + 0.25 * np.array(room.camera.right)
-    assert same_rays(page, room.with_numbers({"tilted.yaw": 20, "eye.x": x, "eye.z": z})) > 0.998
-    page.evaluate("(faces) => (data.faces = faces)", FACES)
 
 
 def test_a_room_of_a_file_is_described_printed_and_kept_in_a_link(page, tmp_path):

@@ -55,12 +55,6 @@ def test_an_image_is_where_the_rays_meet(page, values, words, dashed):
     expect(page.locator("#space .virtual")).to_have_count(dashed)
 
 
-def test_reset_turns_the_view_back(page):
-    page.evaluate("fromHash('#view=side')")
-    page.get_by_role("button", name="Reset").click()
-    assert page.evaluate("session.camera") == page.evaluate("povgen.state.CAMERAS.corner")
-
-
 def test_stray_light_has_its_own_colour_and_can_be_hidden(page):
     show(page, light="pencil", sheet="detailed")
     good, stray = drawn(page, "designed"), drawn(page, "stray")

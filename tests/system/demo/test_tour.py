@@ -20,8 +20,7 @@ def tour(page):
     page.evaluate("OPENING.level = 'simple'; fromHash('#alpha=30'); draw()")
     page.get_by_role("button", name="Guided start").click()
     page.evaluate("tour.paused = true")
-    yield page
-    page.evaluate("OPENING.level = 'expert'")
+    return page
 
 
 def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_file):
