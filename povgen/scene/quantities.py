@@ -378,8 +378,8 @@ def _stated(scene: Scene, names: Collection[str] | None) -> Iterator[tuple[str, 
         for name, value in model.model_dump().items():
             if names is None or f"{part}.{name}" in names or not inside.isdisjoint(names):
                 yield f"{part}_{name}", value
-    for name in names or () if isinstance(scene, AxialScene) else ():
-        if match := NUMBER.fullmatch(name):
+    for name in names or ():
+        if isinstance(scene, AxialScene) and (match := NUMBER.fullmatch(name)):
             yield name, getattr(scene.window[int(match[1]) - 2], match[2])
     for name, value in scene.model_dump(include=None if names is None else {*names}, exclude=inside).items():
         if name == "window":
