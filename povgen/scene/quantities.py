@@ -286,7 +286,7 @@ QUANTITIES = {
     "stray": Quantity(
         _stray,
         "",
-        "share of these rays that leave on the far side, on other paths; NaN if only some windows have black tops",
+        "share of these rays that leave on the far side, on other paths; NaN if black tops differ",
     ),
     "best_focus": Quantity(
         pupil.best_focus,

@@ -362,7 +362,7 @@ def test_the_help_is_short_and_fits_a_terminal(tmp_path, monkeypatch):
     ("arguments", "extra"),
     [
         (["figure", "1"], "matplotlib"),
-        (["verify", "--stability"], "matplotlib"),
+        (["verify", "--live"], "playwright"),
     ],
 )
 def test_without_an_extra(arguments, extra, tmp_path, monkeypatch):

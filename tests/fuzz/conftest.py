@@ -143,7 +143,7 @@ def place(tmp_path_factory):
     global ROOT, WORK
     from povgen.cli.commands import check
     from povgen.liveview import view
-    from povgen.measure import charts, part, speed, stability, stability_map, verify, verify_gl
+    from povgen.measure import charts, part, speed, stability, stability_map, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.page import page
     from povgen.paper import figures
@@ -185,7 +185,8 @@ def place(tmp_path_factory):
         patch.setattr(cluster.Cluster, "_check", lambda _: None)
         patch.setattr(cluster.Cluster, "run", staticmethod(rendered))
         patch.setattr(verify, "checks", lambda sheet: [Measured(sheet or "ideal", "error", 0.5, 1)])
-        patch.setattr(verify_gl, "checks", lambda: [Measured("ideal", "another error", 0.5, 1)])
+        for module in (verify_gl, verify_live):
+            patch.setattr(module, "checks", lambda: [Measured("ideal", "another error", 0.5, 1)])
         patch.setattr(stability, "maps", lambda sheet: [])
         patch.setattr(stability_map, "save_maps", lambda maps, folder, add: (folder / "maps").write_text("maps"))
         patch.setattr(speed, "measure_samplings", lambda *_: [])

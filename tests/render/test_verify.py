@@ -177,7 +177,9 @@ def test_the_command(tmp_path, monkeypatch):
         (["--json", "x.txt"], ["x.txt", ".json"]),
         (["-o", "maps"], ["output", "maps", "--stability"]),
         (["--stability", "-o", "no/where"], ["no/where", "No such file"]),
-        (["--gl", "--sheet", "ideal"], ["gl: measured alone; allowed without --sheet and --stability"]),
+        (["--gl", "--sheet", "ideal"], ["gl: measured alone; allowed without --sheet, --stability and --live"]),
+        (["--gl", "--live"], ["gl: measured alone"]),
+        (["--live", "--stability"], ["live: measured alone; allowed without --sheet and --stability"]),
     ],
 )
 def test_bad_options_are_refused(options, words, tmp_path):

@@ -86,7 +86,7 @@ def test_all_instructions_install_the_same_packages():
     needed, gl = packages.split()[:2], packages.split()[2:]
     for page in ("README.md", "docs/install.md"):
         assert f" apt-get install {' '.join(needed)}\n" in (PROJECT / page).read_text()
-    extras = set(ABOUT["optional-dependencies"]) - {"docs", "live", "package", "test"}  # those are for developers
+    extras = set(ABOUT["optional-dependencies"]) - {"docs", "package", "test"}  # those are for developers
     assert extras == set(
         re.findall(r"^\| `pip install 'povgen\[(\w+)\]'`", (PROJECT / "docs/install.md").read_text(), re.M)
     )

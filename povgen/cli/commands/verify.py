@@ -27,18 +27,22 @@ from povgen.version import __version__
 @click.option("--json", "json_file", type=Path, metavar="FILE", help="also write the values to a .json file")
 @click.option("--stability", is_flag=True, help="measure where methods fail, draw it as maps, and check the limits")
 @click.option("--gl", is_flag=True, help="measure the renderer gl and the live view's shaders instead (needs moderngl)")
+@click.option(
+    "--live", is_flag=True, help="compare the live view in a Chromium with the renderer gl (needs playwright)"
+)
 @options.output("FOLDER", "folder for the maps (default stability)")
 def command(
     sheet: str | None,
     json_file: Path | None,
     stability: bool,
     gl: bool,
+    live: bool,
     output: Path | None,
 ) -> None:
     """Compare what is rendered with the equations and the exact ray trace. Exit status 1: a bound is not kept."""
-    _check_options(sheet, stability, gl, output)
+    _check_options(sheet, stability, gl, live, output)
     json_file = json_file and checked_output(json_file, [".json"], "json")
-    versions = _versions(gl)
+    versions = _versions(gl, live)
     table = Table("sheet", "measured", "value", "bound", "", title=", ".join(map(" ".join, versions.items())))
     found: list[Measured] = []
     with ExitStack() as opened:
@@ -62,9 +66,9 @@ def command(
         if stability:
             save_maps(maps(sheet), folder, add)
         else:
-            from povgen.measure import verify, verify_gl  # slow to load
+            from povgen.measure import verify, verify_gl, verify_live  # slow to load
 
-            for measured in verify_gl.checks() if gl else verify.checks(sheet):
+            for measured in verify_gl.checks() if gl else verify_live.checks() if live else verify.checks(sheet):
                 add(measured)
     if json_file:
         rows = [{**asdict(m), "value": m.value if isfinite(m.value) else None, "holds": m.holds} for m in found]
@@ -73,17 +77,19 @@ def command(
         raise click.exceptions.Exit(1)
 
 
-def _versions(gl: bool) -> dict[str, str]:
+def _versions(gl: bool, live: bool) -> dict[str, str]:
     """Return the versions of what is measured."""
-    versions = {"povgen": __version__, "POV-Ray": povray.version()}
-    return versions | ({"OpenGL by": gl_runner.device()} if gl else {})
+    versions = {"povgen": __version__} | ({} if live else {"POV-Ray": povray.version()})
+    return versions | ({"OpenGL by": gl_runner.device()} if gl or live else {})
 
 
-def _check_options(sheet: str | None, stability: bool, gl: bool, output: Path | None) -> None:
+def _check_options(sheet: str | None, stability: bool, gl: bool, live: bool, output: Path | None) -> None:
     """Raise InputError if the options do not go together."""
     if sheet not in (None, "ideal", "detailed"):
         raise InputError(f"sheet = {sheet!r}: allowed: ideal or detailed")
-    if gl and (sheet or stability):
-        raise InputError("gl: measured alone; allowed without --sheet and --stability")
+    if gl and (sheet or stability or live):
+        raise InputError("gl: measured alone; allowed without --sheet, --stability and --live")
+    if live and (sheet or stability):
+        raise InputError("live: measured alone; allowed without --sheet and --stability")
     if output and not stability:
         raise InputError(f"output = {str(output)!r}: only the maps are written there; allowed with --stability")
