@@ -14,6 +14,7 @@ from povgen.errors import InputError, input_errors, shown
 from povgen.optics.equations import Booleans, Floats, real
 from povgen.optics.values import Values
 from povgen.scene.scenes import AxialScene, checked_axial
+from povgen.scene.windows import NUMBER, with_numbers
 
 STEPS = 60  # of the search, at most
 EDGE = 1e-3  # of a parameter, in the same unit: so near it is at an edge
@@ -228,12 +229,17 @@ def _sides(off: Off, values: Floats, reach: float) -> Iterator[tuple[float, list
 
 
 def _value(scene: AxialScene, name: str) -> float:
+    """Return a number of the scene: where the search starts. Raises InputError."""
     field, part = PARTS.get(name, (name, None))
     value: Any = getattr(scene, field) if field in {"z1", *_Windows.model_fields} else None
+    if (match := NUMBER.fullmatch(name)) and (number := int(match[1])) <= len(scene.sheets):
+        field = match[2]
+        value = {**scene.sheets[number - 1].values, "z": scene.places[number - 1]}.get(field)
     value = value if part is None else value[part]
-    whole = type(scene).model_fields[field].annotation is int if value is not None else False
+    fields = type(scene).model_fields
+    whole = field in fields and fields[field].annotation is int
     if whole or isinstance(value, bool) or not isinstance(value, (int, float)):
-        allowed = f"alpha, z1, z2, {', '.join(PARTS)}, ..."
+        allowed = f"alpha, z1, z2, {', '.join(PARTS)}, ..., and such as window2_alpha of a further window"
         raise InputError(f"free = {shown(name)}: no number of eye and windows, or a whole one; allowed: {allowed}")
     return float(value)
 
@@ -241,7 +247,11 @@ def _value(scene: AxialScene, name: str) -> float:
 def _with(scene: AxialScene, values: Mapping[str, float]) -> AxialScene:
     """Return the scene with other numbers. Its picture's height stays."""
     changes: dict[str, Any] = {"view": scene.view}
+    if windows := {name: value for name, value in values.items() if NUMBER.fullmatch(name)}:
+        changes["window"] = with_numbers(scene.window, windows)
     for name, value in values.items():
+        if name in windows:
+            continue
         field, part = PARTS.get(name, (name, None))
         given = changes.get(field, getattr(scene, field))
         changes[field] = value if part is None else (*given[:part], value, *given[part + 1 :])

@@ -31,6 +31,16 @@ def test_points_without_noise_give_the_parameters_back(scene, start, free):
         assert value == pytest.approx(true[name], abs=1e-5) and 0 < found.errors[name] < 5
 
 
+def test_numbers_of_a_further_window_are_found():
+    scene = TRUE.replace(window="alpha=40,z=2", z2=9)
+    start = scene.replace(window="alpha=30,z=1.5")
+    found = fit(start, PLACES, seen(scene), ("window2_alpha", "window2_z"), noise=0.01)
+    assert not found.warning and found.values == pytest.approx({"window2_alpha": 40, "window2_z": 2}, abs=1e-5)
+    assert found.scene.places[1] == pytest.approx(2) and found.scene.view == start.view
+    with pytest.raises(InputError, match="free = 'window3_z': no number"):
+        fit(scene, PLACES, seen(scene), "window3_z")
+
+
 def test_without_a_stated_noise_it_is_that_of_what_is_left():
     points = seen(TRUE) + np.random.default_rng(5).normal(0, 0.01, (12, 2))
     known, unknown = (fit(TRUE.replace(alpha=60), PLACES, points, noise=noise) for noise in (0.01, None))
