@@ -72,7 +72,8 @@ def fit(
 
     `places` (n, 2) are the x and y of points at the scene's z1, or (n, 3) with z1 of each point: its distance behind
     the last window. `seen` (n, 2) is where the eye sees them in the plane of the first window. All are in tiles, from
-    the window's centre, to the right and up. The other parameters are the scene's, which also says where the search
+    the window's centre, to the right and up. `free` may name numbers of a further window, such as window2_z. The other
+    parameters are the scene's, which also says where the search
     starts; a search for alpha also starts 90, 180 and 270 degrees from there. `noise` is the standard deviation of a
     marked coordinate, tiles. Without it, it follows from the residuals (so there must be more coordinates than
     parameters); intervals are then those of Student's t. The prediction is `apparent_position`. The result has a
@@ -97,7 +98,8 @@ def fit(
     covariance[lost] = covariance[:, lost] = np.nan
     covariance[lost, lost] = np.inf
     values = dict(zip(names, best.values.tolist(), strict=True))
-    far = _is_far(best, noise) if noise is not None else best.squares > POOR * np.sum((marked - marked.mean(0)) ** 2)
+    width = np.sum((marked - marked.mean(0)) ** 2)  # 0 for one point
+    far = _is_far(best, noise) if noise is not None else width > 0 and best.squares > POOR * width
     slow = np.linalg.norm(best.left @ ways[:, ~unknown]) > 1e-3 * best.squares**0.5 + TINY
     edge = np.array([len(sides) < 2 for _, sides in _sides(off, best.values, EDGE)])
     rms = float(np.sqrt(2 * np.mean(best.left**2)))

@@ -75,15 +75,15 @@ def irradiance(
     meets first is left out, and objects neither stop light nor shine. Light that passes one window of a preset and
     misses the next one is lost; in a room it goes on. With the scene's `fresnel`, partial reflections count. Raises
     InputError for numbers that are not allowed, for a scene without windows or with polarisers, for a screen between
-    windows, and for a source between those of a preset.
+    windows, and for a source between or beside those of a preset with several.
     """
     scene, rng = checked_scene(scene), np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count, (width, height) = checked_count("count", count, MOST), PictureSize(size=size).size
     z, diameter, left, right, bottom, top = _checked("z, diameter, extent", (z, diameter, *extent), 6)
     if not (left < right and bottom < top):
         raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
-    if diameter < 0:
-        raise ValueError(f"diameter = {diameter:g}: allowed: 0 or more")
+    if diameter < 0 or (diameter and isinstance(source, Card)):
+        raise ValueError(f"diameter = {diameter:g}: allowed: 0 or more, and 0 for a card")
     _check_scene(scene, source, z)
     colours = 3 if isinstance(source, Card) else 1
     sums, squares = np.zeros((2, 2 * height * width, colours))  # of rays' powers: first of designed light
@@ -108,7 +108,8 @@ def irradiance(
         )
     every = slice(None) if colours == 3 else 0
     parts, squares = (each.reshape(2, height, width, -1)[..., every] for each in (sums, squares))
-    error = np.sqrt(np.maximum(squares.sum(0) - parts.sum(0) ** 2 / count, 0))
+    with np.errstate(invalid="ignore"):  # one ray has no error
+        error = np.sqrt(np.maximum(squares.sum(0) - parts.sum(0) ** 2 / count, 0) * count / np.float64(count - 1))
     pixel_area = (right - left) / width * (top - bottom) / height
     designed, stray, error = (each / pixel_area for each in (*parts, error))
     return Irradiance(designed, stray, error, (left, right, bottom, top), *power[:, every])
@@ -122,12 +123,13 @@ def _check_scene(scene: Scene, source: ArrayLike | Card, z: float) -> None:
         raise ValueError("polariser, analyser: light is unpolarised here; allowed: a scene without them")
     if isinstance(scene, AxialScene):
         start = source.pose.z if isinstance(source, Card) else _checked("source", source, 3)[2]
-        if 0 < start < scene.places[-1]:
-            raise ValueError(f"source: z = {start:g}: between the windows; allowed: elsewhere, or in a room")
+        if len(scene.places) > 1 and 0 <= start <= scene.places[-1]:
+            raise ValueError(f"source: z = {start:g}: between or beside the windows; allowed: elsewhere, or in a room")
     if len({bool(opening.pose.z < z) for opening in scene.openings}) > 1:
         raise ValueError(f"z = {z:g}: between the windows; allowed: all windows on one side of the screen")
     for opening in scene.openings:
-        depth = opening.deep.frame / 2 * abs(opening.pose.axes[2][2])
+        sizes = opening.outline.width, opening.outline.height, opening.deep.frame
+        depth = abs(opening.pose.axes[:, 2]) @ sizes / 2  # half of its extent along z
         if abs(z - opening.pose.z) < depth:
             raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")
 

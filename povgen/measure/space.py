@@ -17,6 +17,7 @@ from povgen.optics.rays import Traced
 from povgen.optics.trace import End
 from povgen.record import DRAWINGS, recorded_call, saved_with
 from povgen.scene.scene import Scene, checked_scene
+from povgen.scene.scenes import input_files
 from povgen.settings import Print
 from povgen.sheets.prisms import Prisms
 from povgen.video.side import named_windows
@@ -62,9 +63,10 @@ def draw(
     1200, and is `width` millimetres wide, 40 to 300. Raises InputError for a file that cannot be written, for rays
     without paths, and without matplotlib.
     """
-    scene, target = checked_scene(scene), checked_output(output, DRAWINGS)
+    scene = checked_scene(scene)
+    target = checked_output(output, DRAWINGS, inputs=input_files([scene]))
     printed = Print(dpi=dpi, width=width)
-    if traced is not None and not traced.corners.shape[-2]:
+    if traced is not None and not (isinstance(traced, Traced) and traced.corners.shape[-2]):
         raise ValueError("traced: the paths were not kept; allowed: rays of trace(..., path=True)")
     if not np.isfinite((azimuth, elevation)).all():
         raise ValueError(f"azimuth, elevation = {azimuth:g}, {elevation:g}: allowed: finite numbers, degrees")

@@ -127,7 +127,7 @@ class Runner:
 
     def _idle_after(self, work: Callable[[], Answer]) -> dict[str, Any]:
         """Return a process's answer; the process then waits for the next picture. Try twice if it crashes or hangs."""
-        process, answer = tried(work, "; allowed: a larger --timeout, or renderer = 'povray'")
+        process, answer = tried(work, f"; {POVRAY}")
         with stopping.lock:
             self._check()  # it was stopped after the answer, and so was the process
             self._busy.discard(process)
@@ -190,7 +190,7 @@ class Runner:
         self._end(process)
         self._check()
         if late.is_set():
-            limit = "(--timeout)" if asked else "to start"
+            limit = "(--timeout; a larger one is allowed)" if asked else "to start"
             raise TransientError(f"the drawing process took longer than {timeout:g} s {limit} and was stopped")
         status = process.returncode
         if status >= 0:

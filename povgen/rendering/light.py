@@ -158,8 +158,10 @@ def read(path: Path, size: tuple[int, int]) -> Light:
     try:
         if path.suffix == ".exr":
             return _exr(path)
-        numbers = np.frombuffer(path.read_bytes()[-6 * size[0] * size[1] :], ">u2")
-        return numbers.reshape(size[1], size[0], 3).astype(np.float32) / np.float32(65535)
+        data, count = path.read_bytes(), 6 * size[0] * size[1]
+        if not data[:-count].endswith(b"65535\n"):  # the end of the head
+            raise ValueError
+        return np.frombuffer(data[-count:], ">u2").reshape(size[1], size[0], 3).astype(np.float32) / np.float32(65535)
     except (KeyError, OSError, RuntimeError, ValueError):
         raise TransientError("the picture is not whole (is the disk full?)") from None
 

@@ -43,10 +43,10 @@ def results(
     """Return a table with a row for each scene: a dictionary of arrays (n,), such as pandas.DataFrame takes.
 
     `results(scene, "nu", alpha=range(180), z1=(1, 2))` is for the scene with all combinations of these values. The last
-    parameter's value changes first. For a room: `results(room, "x", **{"left.alpha": range(180)})`. The columns are the
-    parameters in which the scenes differ, by names such as alpha, eye_x, window2_z and z1_2, and the quantities.
-    `povgen.scene.quantities` says what they are. Two columns cannot have one name: beside the quantity x, the parameter
-    x is the column scene_x.
+    parameter's value changes first. For a room: `results(room, "x", **{"left.alpha": range(180)})`. For a window behind
+    the first one: `results(scene, "x", window2_alpha=range(180))`. The columns are the parameters in which the scenes
+    differ, by names such as alpha, eye_x, window2_z and z1_2, and the quantities. `povgen.scene.quantities` says what
+    they are. Two columns cannot have one name: beside the quantity x, the parameter x is the column scene_x.
     Lengths are in tiles, angles in degrees. A number that does not exist is NaN, a missing text is empty.
     `Table.to_xarray` returns the table as a dataset.
 
@@ -143,7 +143,7 @@ def _of_sweep(scene: Scene, lists: Lists, quantities: Sequence[str]) -> Table | 
     grid = [each.astype(float).ravel() for each in np.meshgrid(*values.values(), indexing="ij")]
     columns = {name: grid[[*lists].index(name)] for name in type(scene).model_fields if name in lists}
     own = {"alpha": scene.alpha, "z1": _first_z1(scene), "z2": scene.z2}
-    stack = stacked(scene, {name: np.full(len(grid[0]), value) for name, value in own.items()} | columns)
+    stack = stacked(scene, {name: np.full(len(grid[0]), value, float) for name, value in own.items()} | columns)
     if stack is None:
         return None
     found = {name: np.array(np.broadcast_to(QUANTITIES[name].of(stack), len(grid[0])), float) for name in quantities}

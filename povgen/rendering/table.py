@@ -60,7 +60,8 @@ class Table(dict[str, NDArray[Any]]):
             if name in self.parameters:
                 attributes = {"units": unit(name)} if unit(name) else {}
                 # its own list, or that of which it is a component, such as eye for eye_x
-                lists = [name] if name in lengths else [each for each in lengths if name.startswith(f"{each}_")]
+                own = [each for each in lengths if name.startswith((f"{each}_", f"{each.removeprefix('scene_')}_"))]
+                lists = [name] if name in lengths else own
                 among = lists or among
             else:
                 quantity = QUANTITIES[name]

@@ -39,7 +39,7 @@ MOST_X = 1000  # where a disc's modulation transfer function, 2 J1(x) / x, is be
 SYMBOLS = {"alpha": "α", "nu": "ν", "z1": "z₁", "z2": "z₂", "index": "n"}
 # Units of parameters that have no `Parameter.unit`.
 LENGTHS = "z", "z1", "z2", "x", "eye", "look", "line", "aperture", "view", "pedestal", "pupil", "focus"
-OF_THINGS = "y", "width", "height", "radius"  # in a room
+OF_THINGS = "y", "width", "height", "depth", "length", "radius", "aside", "above"  # in a room
 UNITS = {"wavelength": "nm"} | dict.fromkeys(("yaw", "pitch", "roll", "polariser", "analyser"), "degrees")
 UNITS |= dict.fromkeys((*LENGTHS, *OF_THINGS), "tiles")
 # How captions state z1: behind a single window, and behind several.
@@ -174,7 +174,8 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
     no finite numbers from 0, and for a direction that is not one finite number.
     """
     scene, along = checked_axial(scene, "mtf"), np.radians(real("direction", direction))
-    cycles = np.degrees(real("frequencies", frequencies, 0))[..., None]  # per radian
+    with np.errstate(over="ignore"):
+        cycles = np.degrees(real("frequencies", frequencies, 0))[..., None]  # per radian
     if not np.isfinite(cycles).all() or along.ndim or not np.isfinite(along):
         raise ValueError("frequencies, direction: allowed: finite numbers, and one direction")
     linear = not scene.has_prisms and apparent.matrix(scene.elements) is not None
@@ -286,7 +287,7 @@ QUANTITIES = {
     "stray": Quantity(
         _stray,
         "",
-        "share of these rays that leave on the far side, on other paths; NaN if black tops differ",
+        "share of these rays that leave on the far side, on other paths; NaN if only some windows have black tops",
     ),
     "best_focus": Quantity(
         pupil.best_focus,

@@ -240,7 +240,7 @@ class MovieSpec(Model):
         found = {name: model.model_fields[name] for name in swept_numbers(model)}
         if issubclass(model, AxialScene):
             windows = FurtherWindow.model_fields | model.model_fields  # a whole number is one in the scene's fields
-            return found | {name: windows[field] for name, (_, field) in WINDOW_NUMBERS.items()}
+            return found | {name: windows[field] for name, field in WINDOW_NUMBERS.items()}
         for name, part in self._base.parts.items():
             fields = type(part).model_fields
             found |= {f"{name}.{field}": fields[field] for field, n in swept_numbers(type(part)).items() if n == 1}
@@ -495,7 +495,7 @@ def _numbers(kind: object) -> int:
 
 # What can be swept of the windows behind the first one: window2_alpha, window2_z, window3_alpha, ...
 WINDOW_NUMBERS = {
-    f"window{n}_{name}": (n, name)
+    f"window{n}_{name}": name
     for n in range(2, MAX_WINDOWS + 1)
     for name, count in swept_numbers(FurtherWindow).items()
     if count == 1

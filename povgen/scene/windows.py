@@ -114,7 +114,7 @@ def with_numbers(windows: Iterable[FurtherWindow], values: Mapping[str, Any]) ->
             raise InputError(f"{shown(name)}: no number of a window behind the first one; allowed: such as window2_z")
         number, field = int(match[1]), match[2]
         if number > len(made) + 1:
-            raise InputError(f"{name}: there is no window {number}; allowed: with --window or [[window]]")
+            raise InputError(f"{name}: there is no window {number}; allowed: in a scene with it (--window, [[window]])")
         made[number - 2] = made[number - 2].replace(**{field: value})
     return made
 

@@ -25,7 +25,8 @@ class AxisRotation(Ideal):
         of(ALPHA, said=Said("light turned by {} about the axis")),
         Parameter(
             "axis",
-            "axis of rotation as X,Y,Z, to the right, up and away from the eye, each from -1 to 1, one at least 0.001",
+            "axis of rotation as X,Y,Z, to the right, up and away from the eye, each from -1 to 1, one at least 0.001; "
+            "with the sheet axis, alpha of chess and spheres is 15 if not given",
             (0.0, 1.0, 0.0),
             -1,
             1,

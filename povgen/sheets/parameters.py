@@ -12,7 +12,7 @@ from povgen.sheets.sheet import Parameter, Said
 WAVELENGTH = 587.6  # nm, the default of light and of the design: the yellow line d of helium
 ALPHA = Parameter(
     "alpha",
-    "rotation angle alpha, -360 to 360 degrees; axis: 15",
+    "ray-rotation angle alpha, -360 to 360 degrees",
     66,
     -360,
     360,

@@ -188,7 +188,10 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
             plain, _, kind = name.rstrip(SUBSCRIPTS).partition(" ")
             unit = "" if kind == "law" else _unit(plain)
             for digits in range(_digits(values, unit.startswith("°")), 5):
-                texts = [" to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else "none" for value in values]
+                texts = [
+                    " to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else _word(scene, plain)
+                    for scene, value in zip(scenes, values, strict=True)
+                ]
                 if len({*zip(texts, imaged, strict=True)}) == len({*texts}):
                     break
             texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
@@ -208,6 +211,12 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
             texts = [f"{text}, magnified {size} times" for text, size in zip(texts, times, strict=True)]
         found.append(texts)
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
+
+
+def _word(scene: Scene, name: str) -> str:
+    """Return the parameter's value that is no number, such as best for focus; none if the scene lacks it."""
+    value = getattr(scene, name, None)
+    return value if isinstance(value, str) else "none"
 
 
 def _turn(nu: float) -> str:

@@ -41,7 +41,7 @@ stop = 180
     ("options", "words"),
     [
         (["--alpha", "nan"], ["alpha", "nan", "finite"]),
-        (["--alpha", "six"], ["alpha = 'six': should be a number (rotation angle"]),
+        (["--alpha", "six"], ["alpha = 'six': should be a number (ray-rotation"]),
         (["--z1", "0.05"], ["z1", "0.05", "knight", "0.58"]),
         (["--z1", "1", "--z1", "2", "--x", "0"] + ["--x", "1"] * 2, ["2 values of z1", "3 values of x"]),
         (["--z2", "0.1"], ["z2", "0.1", "0.16"]),

@@ -4,7 +4,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from conftest import PROJECT, povgen, some
+from conftest import PROJECT, povgen, refused, some
 
 from povgen import Chess, Eye, Room, Window, render
 from povgen.inputs import hdr
@@ -49,7 +49,12 @@ def test_a_room_like_a_preset_looks_like_it(sheet, renderer):
 def test_the_legs_of_a_rooms_text_make_its_picture(tmp_path):
     """As the text's own comment says: a pixel is that of the first leg in which it has not the colour HoldOut."""
     toml = PROJECT / "docs" / "rooms" / "box.toml"
-    assert povgen(["pov", str(toml), "--size", "64x48", "-o", "box.pov"], tmp_path)[0] == 0
+    (tmp_path / "box-rays-0.inc").write_text("mine")
+    command = ["pov", str(toml), "--size", "64x48", "-o", "box.pov"]
+    assert "'box-rays-0.inc' exists, and povgen did not write it" in refused(command, tmp_path)
+    (tmp_path / "box-rays-0.inc").unlink()
+    for _ in range(2):  # over its own files
+        assert povgen(command, tmp_path)[0] == 0
     made, rows = np.full((48, 64, 3), np.nan), slice(1, None)
     for leg in range(len([*tmp_path.glob("box-rays-*.inc")])):
         kind = ["+FP16", "File_Gamma=1", "+W64", "+H49", "-A", "-D", f"Declare=Leg={leg}", f"+Oleg{leg}.ppm"]

@@ -456,7 +456,9 @@ def test_what_a_driver_or_python_writes_is_no_answer(text, tmp_path, monkeypatch
 
 
 def test_a_hanging_driver_is_ended(text, runner, tmp_path):
-    with pytest.raises(PovrayError, match=r"took longer than 0.01 s \(--timeout\) and was stopped, 2 times"):
+    with pytest.raises(
+        PovrayError, match=r"than 0.01 s \(--timeout; a larger one is allowed\) and was stopped, 2 times"
+    ):
         runner.run(text, SMALL.replace(timeout=0.01, size=(640, 480)), tmp_path)
     assert not runner._busy
 

@@ -186,6 +186,36 @@ def test_the_caption_is_legible_and_whole(size):
             assert abs(rows[0] + rows[-1] - len(strip)) < 0.2 * len(strip)  # in the middle
 
 
+EXTREME = Chess(alpha=-359.99, z1=5000, z2=0.5, predicted_image=True)
+EXTREMES = [
+    EXTREME,
+    Spheres(alpha=-179.9, z1=[0.3, 6, 5000], z2=6.00001),
+    Spheres(sheet="single"),
+]
+
+
+@pytest.mark.parametrize("size", [(320, 240), (240, 320)])
+@pytest.mark.parametrize("scene", EXTREMES, ids=str)
+def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
+    """Nor into the text beside it, even if a number is longer than the space that is reserved for it."""
+    monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
+    ends, write = [], overlay.write
+
+    monkeypatch.setattr(overlay, "_letter", lambda *_: None)
+
+    def written(draw, x, middle, text, height):
+        ends.append(((draw, middle), x, x + text_width(text) * height))
+        write(draw, x, middle, text, height)
+
+    monkeypatch.setattr(overlay, "write", written)
+    for option in ({"caption": "full"}, {"overlay": True}):
+        ends.clear()
+        overlay.annotated(BLANK[size], scene, Rendering(size=size, **option))
+        assert min(start for _, start, _ in ends) >= 2 and max(end for _, _, end in ends) <= size[0] - 2
+        for (line, _, end), (next_line, start, _) in pairwise(ends):
+            assert line != next_line or start > end + 4
+
+
 @pytest.mark.parametrize(
     ("scene", "name", "way"),
     [
@@ -327,6 +357,8 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
             ["α = 0.3, rays turned by α = 30°"],
         ),
         ([Chess(sheet="law", law="x, z1*y, z", parameter="z1=0.3")], ["z₁ = 0.3"]),
+        ([Chess(pupil=0.1, focus=focus) for focus in (5, "best")], ["focus = 5 tiles", "focus = best"]),
+        ([Chess(polariser=angle) for angle in (10, "none")], ["polariser = 10°", "polariser = none"]),
         ([Chess(alpha=60), Chess(sheet="mirror", alpha=60)], ["rays turned by α = 60°", "mirror line at 30°"]),
         # a value that only some frames have is not rounded
         (
@@ -416,7 +448,6 @@ def test_points_in_the_window_have_their_letters(scene, letters, monkeypatch):
 
 
 KNIGHT_BESIDE = Chess(sheet="ideal", x=[0, 3.3], z1=[3, 3])
-EXTREME = Chess(alpha=-359.99, z1=5000, z2=0.5, predicted_image=True)
 WIDE = [
     (Chess(sheet="ideal"), {"caption": "full", "side_view": True, "note": "a note", "overlay": True}),
     (KNIGHT_BESIDE, {"caption": "short"}),

@@ -335,7 +335,8 @@ def test_primaries_and_white_of_light_are_those_of_srgb(chromaticities, stored, 
 def test_which_exr_files_are_pictures(tmp_path):
     """What is stored as another picture than R, G and B of all pixels is refused: it would be shown as another."""
     light = np.full((2, 4, 3), 0.5, np.float32)
-    for channels in ({"RGB": light.astype(np.float16)}, {"RGBA": np.dstack((light, light[..., 0]))}):
+    mixed = {"R": light[..., 0], "G": light[..., 1], "B": light[..., 2], "A": light[..., 0].astype(np.float16)}
+    for channels in ({"RGB": light.astype(np.float16)}, {"RGBA": np.dstack((light, light[..., 0]))}, mixed):
         assert (exr(exr_of(tmp_path, channels)) == light).all()
     window = {"displayWindow": ((0, 0), (7, 3)), "dataWindow": ((0, 0), (3, 1))}
     cropped = {name: tuple(np.array(end, np.int32) for end in ends) for name, ends in window.items()}

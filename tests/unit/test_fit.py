@@ -41,6 +41,11 @@ def test_numbers_of_a_further_window_are_found():
         fit(scene, PLACES, seen(scene), "window3_z")
 
 
+def test_one_point_is_enough_for_one_parameter():
+    found = fit(TRUE, PLACES[:1], seen(TRUE, PLACES[:1]) + (1e-4, 0), "alpha")
+    assert not found.warning and found.values["alpha"] == pytest.approx(66, abs=0.1)
+
+
 def test_without_a_stated_noise_it_is_that_of_what_is_left():
     points = seen(TRUE) + np.random.default_rng(5).normal(0, 0.01, (12, 2))
     known, unknown = (fit(TRUE.replace(alpha=60), PLACES, points, noise=noise) for noise in (0.01, None))

@@ -65,6 +65,8 @@ def test_a_disc_and_a_card_shine_as_the_cosine_and_a_card_in_its_colours(tmp_pat
     pixels[0] = (255, 0, 0), (0, 255, 0)  # above, left and right
     Image.fromarray(pixels).save(tmp_path / "card.png")
     card = Card(file=tmp_path / "card.png", z=2, width=2)
+    with pytest.raises(InputError, match="diameter = 2: allowed: 0 or more, and 0 for a card"):
+        irradiance(Chess(), card, -1, diameter=2)
     for sheet, z in (("none", -2), ("ideal", -1)):  # a pinhole camera exchanges the sides; at 180 degrees they stay
         hole = Room([Window(sheet=sheet, alpha=180, width=0.2)])
         found = irradiance(hole, card, z, **far)
@@ -98,9 +100,14 @@ IN_SERIES = Chess(sheet="ideal", alpha=0, window="alpha=0,z=2")
         ({"source": (0, 0, 0)}, "inside the sheets"),
         ({"extent": (1, -1, 0, 1)}, "left < right"),
         ({"diameter": -1}, "diameter = -1: allowed: 0 or more"),
+        (
+            {"scene": Room([Window(sheet="none", yaw=60)]), "source": (0, 0, 3), "z": -1},
+            "z = -1: within a window's frame",
+        ),
         ({"z": 0.1}, "z = 0.1: within a window's frame; allowed: 0.15 tiles or more"),
         ({"scene": Chess(sheet="ideal"), "source": (0, 0, 0.1)}, "none of its light enters a window"),
-        ({"scene": IN_SERIES, "source": (0, 0, 1)}, "source: z = 1: between the windows"),
+        ({"scene": IN_SERIES, "source": (0, 0, 1)}, "source: z = 1: between or beside the windows"),
+        ({"scene": IN_SERIES, "source": (2, 0, 2)}, "source: z = 2: between or beside the windows"),
         ({"scene": IN_SERIES, "source": (0, 0, 5), "z": 1}, "z = 1: between the windows; allowed: all windows on one"),
         ({"scene": Chess(polariser=0, analyser=90)}, "polariser, analyser: light is unpolarised here"),
         ({"count": 0}, "count = 0"),

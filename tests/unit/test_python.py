@@ -172,7 +172,7 @@ def test_the_signature_has_types_and_defaults():
     for model in (Chess, type("Mine", (Chess,), {})):  # before and after the first model of a class is made
         assert "(*, alpha: float = 66" in str(inspect.signature(model))
         assert model() and "(*, alpha: float = 66" in str(inspect.signature(model))
-    assert "- `alpha = 66`: rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
+    assert "- `alpha = 66`: ray-rotation angle alpha, -360 to 360 degrees" in Chess.__doc__
     assert "- `z2 = 6`: distance from the sheets to the eye" in Chess.__doc__
 
 

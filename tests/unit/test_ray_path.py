@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from povgen import Bundle, Chess, Eye, InputError, Room, Sphere, Window, draw
+from povgen import Bundle, Card, Chess, Eye, InputError, Room, Sphere, Window, draw
 from povgen.measure import plotting
 from povgen.optics.ray_path import IDEAL
 from povgen.optics.trace import End
@@ -76,8 +77,14 @@ def test_a_drawing_in_space_has_the_windows_the_objects_and_the_rays(tmp_path):
     found = PRISMS.trace(PRISMS.pencil((0, 0, 2), 5), path=True)
     few, many = (draw(PRISMS, tmp_path / f"{k}.svg", found[:k]).read_text() for k in (1, 5))
     assert many.count("<path") - few.count("<path") >= 4
-    with pytest.raises(InputError, match="paths were not kept"):
-        draw(PRISMS, tmp_path / "b.svg", PRISMS.trace(PRISMS.rays((3, 2))))
+    for rays in (PRISMS.trace(PRISMS.rays((3, 2))), PRISMS.rays((3, 2))):
+        with pytest.raises(InputError, match="paths were not kept"):
+            draw(PRISMS, tmp_path / "b.svg", rays)
+    Image.new("RGB", (64, 32)).save(tmp_path / "card.png")
+    with pytest.raises(InputError, match="povgen reads this file"):
+        draw(Room([Window(), Card(file=tmp_path / "card.png", z=3)]), tmp_path / "card.png")
+    with pytest.raises(InputError, match="azimuth, elevation = nan, 20: allowed: finite"):
+        draw(PRISMS, tmp_path / "b.svg", azimuth=np.nan)
 
 
 def drawing(monkeypatch, scene, **options):

@@ -15,12 +15,15 @@ import xarray
 
 from povgen import Chess, Eye, InputError, Room, Sphere, Spheres, Window, info, results, stopping
 from povgen.inputs import mesh
+from povgen.objects import OBJECTS
 from povgen.optics import equations, series
 from povgen.rendering import parallel, survey_cache
 from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
 from povgen.scene import survey
+from povgen.scene.quantities import unit
 from povgen.scene.scene import of_record
+from povgen.scene.spec import swept_numbers
 from povgen.sheets import SHEETS
 
 SCENES = [Chess(sheet="ideal", alpha=alpha, z1=z1) for alpha in (0, 66, 180) for z1 in (2, 6)]
@@ -173,6 +176,11 @@ def test_many_scenes_at_once_are_those_one_by_one():
         np.testing.assert_allclose([found[name] for name in quantities], expected, 1e-12, 1e-12, err_msg=str(scene))
         for name in ("z1", "alpha", "z2"):
             assert found[name].tolist() == [getattr(each, name) for each in every]
+    for scene in (Chess(), Spheres(sheet="ideal")):  # the default of alpha is a whole number
+        for name in ("z1", "z2"):
+            one_by_one = results([scene.replace(**{name: x}) for x in (7, 9)], "nu", "M", progress=False)
+            found = results(scene, "nu", "M", progress=False, **{name: (7, 9)})
+            assert found["nu"] == pytest.approx(one_by_one["nu"]) and found["M"] == pytest.approx(one_by_one["M"])
 
 
 def test_lists_of_values():
@@ -257,6 +265,8 @@ def test_the_dimensions_of_a_dataset():
     assert float(data.x[1, 0, 2]) == pytest.approx(shown.apparent_position(shown.L, 2).real)
     aside = results(scene, "nu", x=[(0, 1), (1, 2)], z1=[(2, 3)], window=[(), "z=2"], progress=False).to_xarray()
     assert dict(aside.sizes) == {"x": 2, "z1": 1, "window": 2} and aside.x_2.dims == ("x",)
+    named = results(scene, "x", "nu", x=[(0, 1), (1, 2)], z1=[(2, 3)], progress=False).to_xarray()
+    assert named.x_2.dims == ("scene_x",) and named.x.dims == ("scene_x", "z1")  # x is also a quantity
     assert aside.z1_2.dims == ("z1",) and aside.window2_z.dims == ("x", "z1", "window")
     room = Room([Window(name="left"), Sphere(z=2)])
     turned = results(room, "x", **{"left.alpha": (0, 9), "eye.x": (0, 1)}, progress=False).to_xarray()
@@ -299,6 +309,12 @@ def test_rooms():
     assert data.left_yaw.attrs["units"] == "degrees" and data.eye_y.attrs["units"] == "tiles"
     nothing = results(room.replace(object=()), *names, progress=False)
     assert nothing["visible"] == [0] and np.isnan([nothing[name] for name in names if name != "visible"]).all()
+
+
+def test_every_length_and_angle_of_a_room_has_its_unit():
+    plain = {"prisms", "index", "gap", "aspect", "ratio", "lenses", "f_number", "periods"}
+    for kind in (Eye, Window, *OBJECTS.values()):
+        assert {name for name in swept_numbers(kind) if not unit(f"left_{name}")} <= plain, kind
 
 
 def test_a_number_of_workers_can_be_numpys():

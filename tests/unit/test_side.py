@@ -113,6 +113,19 @@ def test_an_eye_that_moves_sideways_is_seen_from_above():
     assert np.diff(eyes[:, 1]) == pytest.approx([0.8 * scale] * 2, abs=2)  # to the right is downwards
 
 
+def test_a_turned_window_is_to_scale_and_a_movie_keeps_its_scale():
+    movie = [Room([Window(yaw=yaw, frame=False), Box(x=3, z=z)], eye=Eye(z=-6)) for yaw, z in ((0, 2), (30, 4))]
+    shows = side.extent(movie)
+    assert shows.from_above and shows[:2] == (-6, 4.5)
+    strips = [side.side_view(room, *SIZE, shows) for room in movie]
+    assert strips[0].shape == strips[1].shape
+    boxes = [np.argwhere((strip == side.OBJECT).all(-1)) for strip in strips]
+    scale = np.diff([(box.min(0) + box.max(0))[1] / 2 for box in boxes])[0] / 2
+    for strip, yaw in zip(strips, np.radians((0, 30)), strict=True):
+        extent = np.ptp(np.argwhere((strip == side.SHEET).all(-1)), axis=0)
+        assert extent / scale == pytest.approx(3 * np.array([np.cos(yaw), np.sin(yaw)]), abs=0.1)
+
+
 def test_scenes_of_several_kinds_have_one_scale_and_what_is_far_is_left_out():
     movie = [Chess(alpha=180), ROOM, ROOM.seen_from(0.5)]
     strips = [side.side_view(scene, *SIZE, side.extent(movie, 0.5)) for scene in movie]

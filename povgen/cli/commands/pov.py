@@ -13,7 +13,7 @@ from povgen.errors import InputError
 from povgen.files import checked_output
 from povgen.inputs.pictures import used
 from povgen.progress import say
-from povgen.record import save
+from povgen.record import check_unasked, save
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import input_files
@@ -54,11 +54,13 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     if output is None:
         print(text, end="")
     else:
+        tables = made.ray_tables(Sampling(**sampling).size) if isinstance(made, Room) else ()
+        files = {output.parent / f"{rays}{number}.inc": table for number, table in enumerate(tables)}
+        check_unasked(files, output)
         for file, png in used(text).items():
             save(png, output.parent / file)
-        tables = made.ray_tables(Sampling(**sampling).size) if isinstance(made, Room) else ()
-        for number, table in enumerate(tables):
-            save(table, output.parent / f"{rays}{number}.inc")
+        for path, table in files.items():
+            save(table, path)
         save(text.encode(), output)
 
 

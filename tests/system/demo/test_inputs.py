@@ -202,6 +202,26 @@ def test_the_diagram_can_be_dragged_and_turned(page):
     expect(page.locator("#eye-diagram")).to_be_hidden()
 
 
+def test_a_swipe_that_scrolls_the_page_moves_nothing(page):
+    places = page.evaluate(
+        """() => [stage, $("space-turn")].map((part) => {
+          const box = part.getBoundingClientRect(), at = [box.left + 60, box.top + 60];
+          const place = () => JSON.stringify([state.E, session.camera]);
+          const send = (type, step) => part.dispatchEvent(new PointerEvent(type,
+            { pointerId: 1, isPrimary: true, bubbles: true, clientX: at[0], clientY: at[1] + step, buttons: 1 }));
+          part.setPointerCapture = () => {};
+          const before = place();
+          send("pointerdown", 0);
+          send("pointermove", 8);
+          const moved = place();
+          send("pointercancel", 8);
+          delete part.setPointerCapture;
+          return [before, moved, place()];
+        })"""
+    )
+    assert all(before == after != moved for before, moved, after in places)
+
+
 def test_arrow_keys_move_eye_and_object(page):
     page.locator("#eye-picture").focus()
     page.keyboard.press("ArrowRight")

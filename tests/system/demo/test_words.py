@@ -381,3 +381,10 @@ def test_stray_light_and_dark_bands_are_said_where_they_fill_the_window(page, va
     """By povgen's own limits. The angle and the size stay, with their possible error."""
     text = sentence(page, **{"sheet": "detailed"} | values)
     assert said in text and unsaid not in text
+
+
+def test_a_link_to_a_question_does_not_show_its_answer(page):
+    page.evaluate("fromHash('#question=near&alpha=66')")
+    assert page.evaluate("[state.question, state.alpha]") == [1, 0]
+    show(page)
+    expect(page.locator("#answer")).to_be_empty()
