@@ -82,9 +82,7 @@ def irradiance(
     z, diameter, left, right, bottom, top = _checked("z, diameter, extent", (z, diameter, *extent), 6)
     if not (left < right and bottom < top):
         raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
-    if diameter < 0 or (diameter and isinstance(source, Card)):
-        raise ValueError(f"diameter = {diameter:g}: allowed: 0 or more, and 0 for a card")
-    _check_scene(scene, source, z)
+    _check_scene(scene, source, diameter, z)
     colours = 3 if isinstance(source, Card) else 1
     sums, squares = np.zeros((2, 2 * height * width, colours))  # of rays' powers: first of designed light
     power = np.zeros((2, colours))  # that enters, that leaves
@@ -115,8 +113,10 @@ def irradiance(
     return Irradiance(designed, stray, error, (left, right, bottom, top), *power[:, every])
 
 
-def _check_scene(scene: Scene, source: ArrayLike | Card, z: float) -> None:
+def _check_scene(scene: Scene, source: ArrayLike | Card, diameter: float, z: float) -> None:
     """Raise ValueError for what `irradiance` refuses about the scene, and about the places of source and screen."""
+    if diameter < 0 or (diameter and isinstance(source, Card)):
+        raise ValueError(f"diameter = {diameter:g}: allowed: 0 or more, and 0 for a card")
     if not scene.openings:
         raise ValueError("scene: no windows; allowed: a scene with a window")
     if scene.polarised:
