@@ -193,7 +193,7 @@ notes:  ## what CHANGELOG.md says of this version
 bench: $(VENV)/charts-ready $(VENV)/mitsuba/ready | build  ## CPU time of povgen and of other programs: a table, and build/bench.json
 	$(VENV)/bin/python benchmarks/bench.py $(VENV)/mitsuba/bin/python
 
-cluster-bench: $(VENV)/cluster-ready | build  ## how many cores one machine keeps busy by a Dask cluster: a table, and build/cluster.json
+cluster-bench: $(VENV)/cluster-ready | build  ## how many worker cores one client can supply (Dask): a table, and build/cluster.json
 	$(VENV)/bin/python benchmarks/cluster_bench.py
 
 auto-check: $(VENV)/charts-ready $(RENDERER_READY) | build  ## errors of --sheet auto on 100 random scenes: a table; a second run continues the first

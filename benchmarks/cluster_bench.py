@@ -1,4 +1,4 @@
-"""How many cores one machine can keep busy by a Dask cluster, as a table and as JSON: `make cluster-bench`.
+"""How many worker cores one client can supply on a Dask cluster, as a table and as JSON: `make cluster-bench`.
 
 Scheduler, client and workers run on this machine. Each worker runs on one core only, as if it were a machine of one
 core. CPU seconds are what the operating system reports of a process.
@@ -99,11 +99,11 @@ def main() -> None:
     found = {f"POV-Ray, {quality}, CPU s a frame": seconds for quality, seconds in costs.items()} | {
         "client, CPU s a frame": client,
         "encoder, CPU s a frame": encoder,
-        "cores that keep the client busy": costs["standard"] / client,
-        "cores that keep an encoder of one core busy": costs["standard"] / encoder,
+        "worker cores that one client can supply": costs["standard"] / client,
+        "worker cores that an encoder on one core can serve": costs["standard"] / encoder,
     }
     title = f"{speed.machine()}, Dask {distributed.__version__}"
-    table = Table("a movie of quality standard", f"{count} frames", title=title)
+    table = Table("a movie, quality standard if not stated", f"{count} frames", title=title)
     for name, value in found.items():
         table.add_row(name, f"{value:.3g}")
     Console(width=None if sys.stdout.isatty() else 120).print(table)

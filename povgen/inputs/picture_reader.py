@@ -171,13 +171,13 @@ def exr(path: Path) -> hdr.Light:
         import OpenEXR
     except ImportError:
         raise ValueError(f"needs OpenEXR, which is not installed: {remedies.extra('exr')}") from None
-    with OpenEXR.File(str(path), separate_channels=True) as file:  # when it is closed, what it has given is empty
+    with OpenEXR.File(str(path), separate_channels=True) as file:  # its arrays are empty once it is closed
         header, channels = file.header(), file.channels()
-        windows = [np.array(header[name]).tolist() for name in ("dataWindow", "displayWindow")]
-        is_flat = header["type"] in (OpenEXR.scanlineimage, OpenEXR.tiledimage) and windows[0] == windows[1]
+        bounds = [np.array(header[name]).tolist() for name in ("dataWindow", "displayWindow")]
+        is_whole = header["type"] in (OpenEXR.scanlineimage, OpenEXR.tiledimage) and bounds[0] == bounds[1]
         colours = [channels[name] for name in "RGB" if name in channels]
-        if not is_flat or len(colours) < 3 or any((each.xSampling, each.ySampling) != (1, 1) for each in colours):
-            raise ValueError("should be an EXR file with the channels R, G and B of all its pixels, in its first part")
+        if not is_whole or len(colours) < 3 or any((each.xSampling, each.ySampling) != (1, 1) for each in colours):
+            raise ValueError("should be an EXR file whose first part has R, G and B for every pixel")
         light = np.dstack([each.pixels for each in colours]).astype(np.float32)
         return hdr.clipped(light, header.get("chromaticities", hdr.SRGB))
 

@@ -143,8 +143,10 @@ def parallax(scenes: Sequence[Positions], size: Size) -> Numbers:
 
 
 def pixels(scenes: Sequence[Directions], size: Size) -> Numbers:
-    """Return how many percent of the pixels show the direction of the ray trace within 1e-3 rad: of those on the
-    designed path, and of all whose rays leave."""
+    """Return the percentages of pixels that show the direction of the ray trace within 1e-3 rad.
+
+    The first is of the pixels on the designed path, the second of all whose rays leave.
+    """
     designed, agree = [], []
     for scene, decoded in zip(scenes, probes.decoded(scenes, size), strict=True):
         rays = window_rays(scene, size)

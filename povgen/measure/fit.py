@@ -14,7 +14,7 @@ from povgen.errors import InputError, input_errors, shown
 from povgen.optics.equations import Booleans, Floats, real
 from povgen.optics.values import Values
 from povgen.scene.scenes import AxialScene, checked_axial
-from povgen.scene.windows import NUMBER, with_numbers
+from povgen.scene.windows import WINDOW_NUMBER, with_numbers
 
 STEPS = 60  # of the search, at most
 EDGE = 1e-3  # of a parameter, in the same unit: so near it is at an edge
@@ -73,8 +73,8 @@ def fit(
     `places` (n, 2) are the x and y of points at the scene's z1, or (n, 3) with z1 of each point: its distance behind
     the last window. `seen` (n, 2) is where the eye sees them in the plane of the first window. All are in tiles, from
     the window's centre, to the right and up. `free` may name numbers of a further window, such as window2_z. The other
-    parameters are the scene's, which also says where the search
-    starts; a search for alpha also starts 90, 180 and 270 degrees from there. `noise` is the standard deviation of a
+    parameters are the scene's, which also says where the search starts; a search for alpha also starts 90, 180 and 270
+    degrees from there. `noise` is the standard deviation of a
     marked coordinate, tiles. Without it, it follows from the residuals (so there must be more coordinates than
     parameters); intervals are then those of Student's t. The prediction is `apparent_position`. The result has a
     `warning` if the points do not determine a parameter, if the search ends at the edge of what is allowed or at no
@@ -234,14 +234,14 @@ def _value(scene: AxialScene, name: str) -> float:
     """Return a number of the scene: where the search starts. Raises InputError."""
     field, part = PARTS.get(name, (name, None))
     value: Any = getattr(scene, field) if field in {"z1", *_Windows.model_fields} else None
-    if (match := NUMBER.fullmatch(name)) and (number := int(match[1])) <= len(scene.sheets):
+    if (match := WINDOW_NUMBER.fullmatch(name)) and (number := int(match[1])) <= len(scene.sheets):
         field = match[2]
         value = {**scene.sheets[number - 1].values, "z": scene.places[number - 1]}.get(field)
     value = value if part is None else value[part]
     fields = type(scene).model_fields
     whole = field in fields and fields[field].annotation is int
     if whole or isinstance(value, bool) or not isinstance(value, (int, float)):
-        allowed = f"alpha, z1, z2, {', '.join(PARTS)}, ..., and such as window2_alpha of a further window"
+        allowed = f"alpha, z1, z2, {', '.join(PARTS)}, ..., or, of a further window, such as window2_alpha"
         raise InputError(f"free = {shown(name)}: no number of eye and windows, or a whole one; allowed: {allowed}")
     return float(value)
 
@@ -249,7 +249,7 @@ def _value(scene: AxialScene, name: str) -> float:
 def _with(scene: AxialScene, values: Mapping[str, float]) -> AxialScene:
     """Return the scene with other numbers. Its picture's height stays."""
     changes: dict[str, Any] = {"view": scene.view}
-    if windows := {name: value for name, value in values.items() if NUMBER.fullmatch(name)}:
+    if windows := {name: value for name, value in values.items() if WINDOW_NUMBER.fullmatch(name)}:
         changes["window"] = with_numbers(scene.window, windows)
     for name, value in values.items():
         if name in windows:

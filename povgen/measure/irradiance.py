@@ -35,7 +35,7 @@ class Irradiance(Values):
 
     designed: Floats  # by light on the designed path
     stray: Floats  # by all other light from the windows
-    error: Floats  # the standard error of the sum of both
+    error: Floats  # the standard error of the sum of both, NaN for one ray
     extent: tuple[float, float, float, float]  # left, right, bottom and top of the screen, tiles
     entering: Floats  # the power that meets the windows, a number, or three of a card
     leaving: Floats  # the part of it that leaves them towards the screen's plane, also beside the screen
@@ -69,13 +69,14 @@ def irradiance(
     parallel to the screen, that shines as the cosine of the angle to z (Lambert); or a `Card`, of which each point
     shines so, by its picture's light, to the side of the picture. A card that is white has the intensity 1. Lengths
     are in tiles. `extent` is left, right, bottom and top of the screen, and `size` its width and height in pixels. All
-    windows are on one side of the screen: where the source is, it shows the light that comes back.
+    windows must be on one side of the screen. If the source is on the same side of them as the screen, the screen shows
+    the light that comes back.
 
     `count` rays are traced to random points of the windows; `seed` is that of the random numbers. Light that no window
     meets first is left out, and objects neither stop light nor shine. Light that passes one window of a preset and
     misses the next one is lost; in a room it goes on. With the scene's `fresnel`, partial reflections count. Raises
     InputError for numbers that are not allowed, for a scene without windows or with polarisers, for a screen between
-    windows, and for a source between or beside those of a preset with several.
+    windows, and, in a preset with several windows, for a source whose z is between those of the first and the last.
     """
     scene, rng = checked_scene(scene), np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count, (width, height) = checked_count("count", count, MOST), PictureSize(size=size).size
@@ -124,7 +125,7 @@ def _check_scene(scene: Scene, source: ArrayLike | Card, diameter: float, z: flo
     if isinstance(scene, AxialScene):
         start = source.pose.z if isinstance(source, Card) else _checked("source", source, 3)[2]
         if len(scene.places) > 1 and 0 <= start <= scene.places[-1]:
-            raise ValueError(f"source: z = {start:g}: between or beside the windows; allowed: elsewhere, or in a room")
+            raise ValueError(f"source: z = {start:g}: between or beside the windows; allowed: another z, or a room")
     if len({bool(opening.pose.z < z) for opening in scene.openings}) > 1:
         raise ValueError(f"z = {z:g}: between the windows; allowed: all windows on one side of the screen")
     for opening in scene.openings:

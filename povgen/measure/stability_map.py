@@ -33,8 +33,8 @@ class StabilityMap:
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
-    y, in the same unit, and y/x is drawn. For the drawing: `finding` is its title. `band` is where the method fails: on
-    which side of which value, and what happens there. `groups` are of series that are drawn as one, as their mean and
+    y, in the same unit, and y/x is drawn. For the drawing: `finding` is its title. `band` is the shaded range: on which
+    side of which value, and what happens there. `groups` are of series that are drawn as one, as their mean and
     range: by a pattern in their names, how they are called. `dot` is the name of large dots, at the last row of each
     series from POV-Ray's pictures. `ends` are those of the y axis. `limits` are what `limit` has found.
     """

@@ -183,7 +183,8 @@ def prisms() -> Iterator[Check]:
 def pixels(kind: str, *scenes: dict[str, Any], bounds: tuple[float, float] = (99.99, 99.5)) -> Check:
     """Compare the direction that every pixel shows with the exact ray trace, stray light included.
 
-    The bounds allow for rays whose paths rounding decides: on the designed path, and all that leave.
+    `bounds` are the least percentages: of the pixels on the designed path, and of all whose rays leave. Rounding
+    decides the paths of a few rays.
     """
     within = "within 1e-3 rad of the ray trace"
     lines = [
@@ -242,7 +243,7 @@ def prisms_in_series() -> Iterator[Check]:
 
 
 def light() -> Iterator[Check]:
-    """How bright the window is: black tops of prisms, partial reflection, and how much light is rotated."""
+    """The window's brightness (black tops, partial reflection), and the fraction of pixels on the designed path."""
     usual, wrong = {"aperture": APERTURE, "view": VIEW}, {"index": 0.05}
     tops = Directions(sheet="detailed", tops="black", **usual)
     black = "black tops take {1:.1f} % of the pixels: as in the ray trace", 99.5, "%", True

@@ -234,7 +234,7 @@ class ProfileCells(_Cells):
 
     @classmethod
     def of(cls, profiles: list[Profile], window: float) -> "ProfileCells":
-        """Return the profiles of sheets, one for each sheet, in windows with this side."""
+        """Return the cells of sheets with these profiles, one for each sheet. `window` is the window's side length."""
         one, many = profiles[0], [*dict.fromkeys(profiles)]
         if len(many) == 1:
             return cls(many, None, one.pitch, one.length / 2, one.index, -window / 2)

@@ -146,7 +146,7 @@ def trace(
 
 
 def _glass(sheets: tuple[GlassSheet, ...], window: float) -> PrismCells | ProfileCells:
-    """Return what a ray meets in the sheets: all of prisms, or all of profiles.
+    """Return the cells of the sheets. All must be sheets of prisms, or all of profiles.
 
     Raises ValueError for sheets through which no ray can be followed.
     """

@@ -90,8 +90,8 @@ export function bundle(now, count = 5) {
 
 const RATIO = 0.06;  // rays meet if their bundle is narrower than at the window by this factor
 
-// Where rays that have left the windows meet, if they do: the point of the plane in which their bundle is the narrowest. null
-// otherwise.
+// The centre of the designed rays, whose lines are extended both ways, in the plane z in which the RMS width of their bundle is
+// the least. null if it is not narrow there.
 export function meeting(rays) {
   const designed = rays.filter(({ kind }) => kind === "designed");
   if (designed.length < 4) return null;

@@ -20,7 +20,7 @@ from povgen.rendering.table import Table
 from povgen.scene.quantities import QUANTITIES, STACKED, parameters, stacked
 from povgen.scene.scene import Scene, checked_scene, checked_scenes, classes
 from povgen.scene.scenes import SCENES, AxialScene
-from povgen.scene.windows import NUMBER
+from povgen.scene.windows import WINDOW_NUMBER
 from povgen.validation import as_flag, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
@@ -50,8 +50,8 @@ def results(
     Lengths are in tiles, angles in degrees. A number that does not exist is NaN, a missing text is empty.
     `Table.to_xarray` returns the table as a dataset.
 
-    What equations give for lists of alpha, z1 and z2 is computed at once. For the rest, `workers` processes compute, by
-    default one for each core. With `scheduler`, the address of a Dask scheduler, its workers compute all instead.
+    Predictions for lists of alpha, z1 and z2 are computed together, in this process. `workers` processes compute the
+    rest, by default one for each core. With `scheduler`, the address of a Dask scheduler, its workers compute all.
     `progress=False` shows no progress bar. Raises InputError for what is no scene or no quantity, if no quantity is
     given, for a quantity that a room does not have, for values that are not allowed or no lists, and for `workers` or a
     `scheduler` that is not allowed. Raises PovrayError if the cluster fails.
@@ -114,11 +114,11 @@ def _checked(scene: object, quantities: Sequence[str]) -> Scene:
 
 
 def _with(scene: Scene, values: dict[str, Any]) -> Scene:
-    """Return a copy with these values. Those of a room's things have names such as left.alpha.
+    """Return a copy with these values.
 
-    Those of the windows behind a preset's first one have names such as window2_alpha.
+    Numbers of a room's things have names such as left.alpha, those of a preset's further windows such as window2_alpha.
     """
-    inside = {name: x for name, x in values.items() if (scene.parts and "." in name) or NUMBER.fullmatch(name)}
+    inside = {name: x for name, x in values.items() if (scene.parts and "." in name) or WINDOW_NUMBER.fullmatch(name)}
     made = scene.replace(**{name: value for name, value in values.items() if name not in inside})
     return made.with_numbers(inside) if inside else made
 

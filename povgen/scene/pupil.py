@@ -21,7 +21,7 @@ from povgen.scene.scenes import AxialScene
 # Steps of numbers between 0 and 1 that fill a square evenly, however many they are: powers of the root of x^5 = x + 1
 # (Roberts, 2018). view.glsl has the same.
 STEPS = 0.8566748838545029, 0.733891856627126
-LEAST = 1e-8  # of 1 / the distance of a focus, 1 / tile: what is farther away is at infinity, within rounding
+LEAST = 1e-8  # 1 / tile: a focus whose 1 / distance is smaller counts as infinite, because of rounding
 _STEP = 1e-4  # of places and slopes, for derivatives
 
 
@@ -44,7 +44,7 @@ def best_focus(scene: Scene) -> float:
     """Return the distance of the focus, tiles, that blurs the first object least.
 
     It is along the normal of the picture's plane. An eye cannot focus light that still converges when it enters: the
-    best focus is then infinite. It is NaN if no object has an image.
+    best focus is then infinite, as it is for parallel light. It is NaN if no object has an image.
     """
     found = _best(checked_scene(scene))
     return 1 / found if found else float("inf")

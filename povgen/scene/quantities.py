@@ -23,7 +23,7 @@ from povgen.optics.shares import Shares, shares
 from povgen.scene import pupil
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene, checked_axial
-from povgen.scene.windows import NUMBER
+from povgen.scene.windows import WINDOW_NUMBER
 from povgen.sheets import PARAMETERS
 from povgen.sheets.prisms import ERRORS
 from povgen.sheets.sheet import Said
@@ -171,13 +171,15 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
     exceeds MOST_X, and the function is below 6e-5, it is 0. Otherwise it is the mean of MTF_RAYS traced rays, of which
     n take the designed path: its standard error is below 1 / sqrt(n), mostly 0.005. NaN if too little light on the
     designed path shows the object. Raises InputError for other scenes than Chess and Spheres, for frequencies that are
-    no finite numbers from 0, and for a direction that is not one finite number.
+    negative or not finite, and for a direction that is not one finite number.
     """
     scene, along = checked_axial(scene, "mtf"), np.radians(real("direction", direction))
     with np.errstate(over="ignore"):
         cycles = np.degrees(real("frequencies", frequencies, 0))[..., None]  # per radian
-    if not np.isfinite(cycles).all() or along.ndim or not np.isfinite(along):
-        raise ValueError("frequencies, direction: allowed: finite numbers, and one direction")
+    if not np.isfinite(cycles).all():
+        raise ValueError("frequencies: NaN or infinite; allowed: finite numbers")
+    if along.ndim or not np.isfinite(along):
+        raise ValueError("direction: allowed: one finite number, degrees")
     linear = not scene.has_prisms and apparent.matrix(scene.elements) is not None
     if linear and len(entering(scene).by_pupil) == RAYS:
         off = pupil.light_of_object(scene) + pupil.inverse_focus(scene) * np.eye(2)
@@ -260,11 +262,11 @@ QUANTITIES = {
     "nu": Quantity(
         lambda scene: scene.nu_and_M(scene.distances[0])[0],
         "degrees",
-        "the angle by which it appears turned, by sheets that only rotate light",
+        "angle by which it appears turned; NaN if a sheet does not only rotate light",
         stacks=True,
     ),
     "M": Quantity(
-        lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification, by such sheets", stacks=True
+        lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification; NaN likewise", stacks=True
     ),
     "uncertainty": Quantity(
         _uncertainty, "tiles", "possible error of x and y, because of the finite size of the prisms"
@@ -287,7 +289,7 @@ QUANTITIES = {
     "stray": Quantity(
         _stray,
         "",
-        "share of these rays that leave on the far side, on other paths; NaN if only some windows have black tops",
+        "share of the eye's rays that leave the far side on other paths; NaN if only some windows have black tops",
     ),
     "best_focus": Quantity(
         pupil.best_focus,
@@ -380,7 +382,7 @@ def _stated(scene: Scene, names: Collection[str] | None) -> Iterator[tuple[str, 
             if names is None or f"{part}.{name}" in names or not inside.isdisjoint(names):
                 yield f"{part}_{name}", value
     for name in names or ():
-        if isinstance(scene, AxialScene) and (match := NUMBER.fullmatch(name)):
+        if isinstance(scene, AxialScene) and (match := WINDOW_NUMBER.fullmatch(name)):
             yield name, getattr(scene.window[int(match[1]) - 2], match[2])
     for name, value in scene.model_dump(include=None if names is None else {*names}, exclude=inside).items():
         if name == "window":

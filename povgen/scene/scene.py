@@ -117,7 +117,7 @@ class Scene(Model):
     def with_numbers(self, values: Mapping[str, float]) -> Self:
         """Return a copy with other numbers of its `parts`, as {"left.alpha": 90, "eye.x": 1}. Raises InputError.
 
-        Of a preset it has other numbers of the windows behind the first one, as {"window2_alpha": 90}.
+        For a preset, the values are those of windows behind the first one, as {"window2_alpha": 90}.
         """
         raise NotImplementedError
 

@@ -102,15 +102,15 @@ else:
     Windows = several(FurtherWindow, FurtherWindow, MAX_WINDOWS - 1)
 
 
-# what a number of a window behind the first one is called: window2_alpha, window2_z, window3_alpha, ...
-NUMBER = re.compile(f"window([2-{MAX_WINDOWS}])_([a-z_]+)")
+# names of numbers of windows behind the first one: window2_alpha, window2_z, window3_alpha, ...
+WINDOW_NUMBER = re.compile(f"window([2-{MAX_WINDOWS}])_([a-z_]+)")
 
 
 def with_numbers(windows: Iterable[FurtherWindow], values: Mapping[str, Any]) -> list[FurtherWindow]:
     """Return the windows with other numbers, as {"window2_alpha": 90}. Raises InputError."""
     made = [*windows]
     for name, value in values.items():
-        if not (match := NUMBER.fullmatch(name)):
+        if not (match := WINDOW_NUMBER.fullmatch(name)):
             raise InputError(f"{shown(name)}: no number of a window behind the first one; allowed: such as window2_z")
         number, field = int(match[1]), match[2]
         if number > len(made) + 1:

@@ -214,7 +214,7 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
 
 
 def _word(scene: Scene, name: str) -> str:
-    """Return the parameter's value that is no number, such as best for focus; none if the scene lacks it."""
+    """Return the parameter's value if it is text, such as best for focus, otherwise none."""
     value = getattr(scene, name, None)
     return value if isinstance(value, str) else "none"
 

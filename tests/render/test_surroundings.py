@@ -342,7 +342,7 @@ def test_which_exr_files_are_pictures(tmp_path):
     cropped = {name: tuple(np.array(end, np.int32) for end in ends) for name, ends in window.items()}
     for channels, header in (({"Y": light[..., 0]}, {}), ({"a.RGB": light}, {}), ({"RGB": light}, cropped)):
         file = exr_of(tmp_path, channels, **header)
-        with pytest.raises(ValueError, match="should be an EXR file with the channels R, G and B of all its pixels"):
+        with pytest.raises(ValueError, match="should be an EXR file whose first part has R, G and B for every pixel"):
             exr(file)
     file = exr_of(tmp_path, {"RGB": light})
     samples = b"B\0" + struct.pack("<5I", 2, 0, 1, 1, 0)[:16]  # of 32 bits; each pixel along x and y

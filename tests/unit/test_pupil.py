@@ -88,8 +88,8 @@ def test_mtf_is_that_of_a_disc(monkeypatch):
 @pytest.mark.parametrize(
     ("frequencies", "direction", "words"),
     [
-        ([2, np.nan], 0, "allowed: finite numbers, and one direction"),
-        (2, [0, 90], "allowed: finite numbers, and one direction"),
+        ([2, np.nan], 0, "frequencies: NaN or infinite"),
+        (2, [0, 90], "direction: allowed: one finite number"),
         (-1, 0, "frequencies = -1; allowed: 0 or more"),
         ("few", 0, "frequencies has other values than numbers"),
         (2, "up", "direction has other values than numbers"),
