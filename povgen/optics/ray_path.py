@@ -2,7 +2,8 @@
 
 Arrays begin with the shape of a bundle. `corners` (..., k, 3) are where a ray starts, each face and each ideal sheet
 that it meets, and where it ends; NaN after the end. `media` (..., k - 1) are the refractive indices of the straight
-parts between them. `met` (..., k) says what is at each corner: the number of a face, IDEAL, or 0 at the start and end.
+parts between them. `glass` (..., k) are those of the glass whose face is at each corner; 1 where there is none. `met`
+(..., k) says what is at each corner: the number of a face, IDEAL, or 0 at the start and end.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from povgen.optics.faces import Floats, Indices
 from povgen.optics.polarisation import axes, reflection
 
 IDEAL = -1  # an ideal sheet in `met`
-MOST = 10**7  # corners of a bundle, for each of which 32 bytes are needed
+MOST = 10**7  # corners of a bundle, for each of which 40 bytes are needed
 
 
 class Steps(NamedTuple):
@@ -24,13 +25,14 @@ class Steps(NamedTuple):
 
     place: Floats  # (n, most, 3)
     behind: Floats  # (n, most): the refractive index behind the face
+    glass: Floats  # (n, most): that of the face's glass
 
     @classmethod
     def empty(cls, n: int, most: int) -> "Steps":
         """Return steps for n rays of at most so many faces. Raises ValueError for more than MOST in all."""
         if n * most > MOST:
             raise ValueError(f"path = True: {n} rays of up to {most} faces; allowed: up to {MOST} faces in all")
-        return cls(np.empty((n, most, 3)), np.empty((n, most)))
+        return cls(np.empty((n, most, 3)), np.empty((n, most)), np.empty((n, most)))
 
 
 class Event(NamedTuple):
@@ -39,23 +41,25 @@ class Event(NamedTuple):
     ray: Indices  # their numbers, (n,)
     place: Floats  # (n, 3)
     behind: Floats  # the refractive index behind it, (n,)
+    glass: Floats  # that of its glass, (n,)
     met: Indices  # (n,)
 
 
-def assembled(start: Floats, end: Floats, events: Sequence[Event]) -> tuple[Floats, Floats, Indices]:
-    """Return corners (n, k, 3), media (n, k - 1) and `met` (n, k) of rays, whose events are in their order."""
-    first = np.arange(len(start)), start, np.ones(len(start)), np.zeros(len(start), int)
+def assembled(start: Floats, end: Floats, events: Sequence[Event]) -> tuple[Floats, Floats, Floats, Indices]:
+    """Return corners (n, k, 3), media (n, k - 1), glass and `met` (n, k) of rays, whose events are in their order."""
+    first = np.arange(len(start)), start, np.ones(len(start)), np.ones(len(start)), np.zeros(len(start), int)
     last = first[0], end, *first[2:]
-    ray, place, index, met = (np.concatenate(each) for each in zip(first, *events, last, strict=True))
+    ray, place, index, glass, met = (np.concatenate(each) for each in zip(first, *events, last, strict=True))
     order = np.argsort(ray, kind="stable")
     count = np.bincount(ray, minlength=len(start))
     number = np.arange(len(ray)) - np.repeat(np.cumsum(count) - count, count)
     shape = len(start), max(count, default=2)
-    corners, media, found = np.full((*shape, 3), np.nan), np.full(shape, np.nan), np.zeros(shape, int)
-    for array, values in ((corners, place), (media, index), (found, met)):
+    corners, media = np.full((*shape, 3), np.nan), np.full(shape, np.nan)
+    sides, found = np.ones(shape), np.zeros(shape, int)
+    for array, values in ((corners, place), (media, index), (sides, glass), (found, met)):
         array[ray[order], number] = values[order]
     beyond = np.isnan(corners[:, 1:, 0])
-    return corners, np.where(beyond, np.nan, media[:, :-1]), found
+    return corners, np.where(beyond, np.nan, media[:, :-1]), sides, found
 
 
 def length(corners: Floats, media: Floats, met: Indices) -> Floats:
@@ -68,7 +72,7 @@ def length(corners: Floats, media: Floats, met: Indices) -> Floats:
 
 
 @np.errstate(invalid="ignore", divide="ignore")
-def jones(corners: Floats, media: Floats, met: Indices) -> Complexes:
+def jones(corners: Floats, media: Floats, glass: Floats, met: Indices) -> Complexes:
     """Return the Jones matrices (..., 2, 2) of rays: what the faces that they meet do to the light's field.
 
     Axes and phases are those of `polarisation`. The square of an amplitude is a power. The phase of the path in glass
@@ -76,14 +80,14 @@ def jones(corners: Floats, media: Floats, met: Indices) -> Complexes:
     rays that pass an ideal sheet.
     """
     shape, k = met.shape[:-1], met.shape[-1]
-    corners, media, met = corners.reshape(-1, k, 3), media.reshape(-1, k - 1), met.reshape(-1, k)
+    corners, media = corners.reshape(-1, k, 3), media.reshape(-1, k - 1)
+    glass, met = glass.reshape(-1, k), met.reshape(-1, k)
     now = _way(corners[:, 0], corners[:, 1], np.nan)
     field = axes(now).astype(complex)
-    glass = np.nanmax(media, axis=1)
     for n in range(1, k - 1):
         i = np.flatnonzero(met[:, n] > 0)
         after = _way(corners[i, n], corners[i, n + 1], now[i])
-        field[i] = _met(field[i], now[i], after, media[i, n - 1], media[i, n], glass[i])
+        field[i] = _met(field[i], now[i], after, media[i, n - 1], media[i, n], glass[i, n])
         now[i] = after
     found = np.swapaxes(axes(now), -1, -2) @ field
     return np.where((met == IDEAL).any(-1)[:, None, None], np.nan, found).reshape(*shape, 2, 2)
@@ -98,7 +102,7 @@ def _way(start: Floats, end: Floats, before: Floats | float) -> Floats:
 def _met(field: Complexes, k: Floats, after: Floats, n1: Floats, n2: Floats, glass: Floats) -> Complexes:
     """Return the fields (n, 3, 2) of rays behind a face that turns their directions from `k` to `after` (n, 3).
 
-    n1 and n2 (n,) are the indices before and behind it, and `glass` is that of the ray's glass.
+    n1 and n2 (n,) are the indices before and behind it, and `glass` is that of its glass.
     """
     reflects = n1 == n2
     normal = np.where(reflects[:, None], after - k, n2[:, None] * after - n1[:, None] * k)

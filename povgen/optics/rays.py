@@ -145,18 +145,20 @@ class Traced(_Lines, Rays):
     The graphics library (`Scene.trace(..., device="gl")`) does not say the faces: `faces` is then empty. Its positions
     and directions have the precision of numbers of 32 bits.
 
-    If the paths were kept, `corners`, `media` and `met` are their points: `ray_path`. Otherwise they are empty.
+    If the paths were kept, `corners`, `media`, `glass` and `met` are their points: `ray_path`. Otherwise they
+    are empty.
     """
 
     windows: NDArray[np.int32]
     corners: Floats
     media: Floats
+    glass: Floats
     met: Indices
 
     @property
     def length(self) -> Floats:
         """The optical path length of each ray (...), tiles, from its start to its end: `ray_path.length`."""
-        return ray_path.length(*self._path)
+        return ray_path.length(*self._path[:2], self.met)
 
     @property
     def jones(self) -> Complexes:
@@ -165,13 +167,13 @@ class Traced(_Lines, Rays):
 
     def table(self) -> dict[str, NDArray[Any]]:
         """Return a table of all corners of the paths: `ray_path.table`."""
-        return ray_path.table(*self._path)
+        return ray_path.table(*self._path[:2], self.met)
 
     @property
-    def _path(self) -> tuple[Floats, Floats, Indices]:
+    def _path(self) -> tuple[Floats, Floats, Floats, Indices]:
         if not self.corners.shape[-2]:
             raise ValueError("the paths were not kept; allowed: rays of trace(..., path=True)")
-        return self.corners, self.media, self.met
+        return self.corners, self.media, self.glass, self.met
 
     @property
     def last(self) -> NDArray[np.int32]:

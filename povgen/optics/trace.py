@@ -322,7 +322,8 @@ class _Trace:
         if self.steps:
             self.leave(i)
             at = i, self.rays.count[i] - 1
-            self.steps.place[at], self.steps.behind[at] = self.rays.position[i], np.where(reflected == out, index, 1)
+            self.steps.place[at], self.steps.glass[at] = self.rays.position[i], index
+            self.steps.behind[at] = np.where(reflected == out, index, 1)
         if not self.borders:
             through = i[~reflected & (face == Face.BASE)]
             self.cell[through] += -1 if out else 1

@@ -62,7 +62,7 @@ def trace_windows(
     way = _way(rays, windows, most, partial, path, follow=follow)
     n = len(way.rays.end)
     met = np.stack(way.met, 1) if way.met else np.empty((n, 0), np.int32)
-    kept: Any = np.empty((n, 0, 3)), np.empty((n, 0)), np.empty((n, 0), int)
+    kept: Any = np.empty((n, 0, 3)), np.empty((n, 0)), np.empty((n, 0)), np.empty((n, 0), int)
     if path:
         kept = ray_path.assembled(rays.position.reshape(n, 3), way.rays.position, way.events)
     return Traced(
@@ -180,8 +180,8 @@ class _Way:
             ends[(ends == End.THROUGH) & framed] = End.FRAME
         position, direction = window.pose.scene(position, direction)
         if self.path and not self.sheets[w] and not np.all(window.sheet.transfer == np.eye(5)):
-            kind = np.full(len(passed), ray_path.IDEAL)
-            self.events.append(Event(i[passed], taken(position, passed), np.ones(len(passed)), kind))
+            kind, air = np.full(len(passed), ray_path.IDEAL), np.ones(len(passed))
+            self.events.append(Event(i[passed], taken(position, passed), air, air, kind))
         if self.bent is not None and not self.sheets[w]:
             self.bent.append((i[passed], taken(position, passed), taken(direction, passed), w))
         # numpy sets whole vectors in four times as long
@@ -252,7 +252,8 @@ class _Way:
             for step in range(after.count.max(initial=0)):
                 n = np.flatnonzero(after.count > step)
                 places, _ = window.pose.scene(steps.place[n, step], direction[some[n]])
-                self.events.append(Event(j[n], places, steps.behind[n, step], after.faces[n, step].astype(int)))
+                behind, glass, faces = steps.behind[n, step], steps.glass[n, step], after.faces[n, step]
+                self.events.append(Event(j[n], places, behind, glass, faces.astype(int)))
 
 
 def taken(vectors: Floats, i: Indices) -> Floats:

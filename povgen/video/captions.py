@@ -140,7 +140,7 @@ def _moving_parts(scenes: Sequence[Scene]) -> list[list[str]]:
     rows: list[dict[tuple[str, str], float]] = [{} for _ in scenes]
     about: dict[tuple[str, str], str] = {}
     for scene, row in zip(scenes, rows, strict=True):
-        for part, model in scene.parts.items():
+        for part, model in {"": scene, **scene.parts}.items():
             row |= {(part, name): x for name, x in model if type(x) in (int, float)}
             about |= {(part, name): field.description or "" for name, field in type(model).model_fields.items()}
     found: list[list[str]] = []
@@ -150,8 +150,12 @@ def _moving_parts(scenes: Sequence[Scene]) -> list[list[str]]:
             text = about[part, name]
             unit = _unit(name) or ("°" if "degrees" in text else " tiles" if "tiles" in text else "")
             digits = _digits([(x,) for x in values if x is not None], unit.startswith("°"))
-            texts = ["none" if x is None else f"{x:z.{digits}f}{unit}" for x in values]
-            found.append([f"{part}: {SYMBOLS.get(name, name.replace('_', ' '))} = {text}" for text in texts])
+            texts = [
+                f"{x:z.{digits}f}{unit}" if x is not None else "none" if part else _word(scene, name)
+                for scene, x in zip(scenes, values, strict=True)
+            ]
+            called = f"{part}: {SYMBOLS.get(name, name.replace('_', ' '))}".removeprefix(": ")
+            found.append([f"{called} = {text}" for text in texts])
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
 
 

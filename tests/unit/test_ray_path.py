@@ -6,6 +6,7 @@ from PIL import Image
 
 from povgen import Bundle, Card, Chess, Eye, InputError, Room, Sphere, Window, draw
 from povgen.measure import plotting
+from povgen.optics.polarisation import reflection, transmission
 from povgen.optics.ray_path import IDEAL
 from povgen.optics.trace import End
 
@@ -45,6 +46,20 @@ def test_the_field_is_that_of_the_designed_path():
     assert np.isfinite(found.jones[found.designed]).all()
     back = PRISMS.trace(rays, partial=np.random.default_rng(1), path=True)  # reflected rays have a field, too
     assert np.isfinite(back.jones[back.reflected]).all()
+
+
+def test_light_that_a_face_reflects_from_outside_has_the_index_of_that_face():
+    """Sheets of two glasses: the light that the first reflects never reaches the second."""
+    two = [Window(sheet="single", prisms=9, glass=glass, z=z) for glass, z in (("N-BK7", 0), ("SF11", 3))]
+    room = Room(two, eye=Eye(z=-7))
+    d = np.array([0, np.sin(0.3), np.cos(0.3)])
+    rays = Bundle(np.stack((np.zeros(2000), np.linspace(-1, 1, 2000), np.full(2000, -2.0)), -1), d)
+    found = room.trace(rays, partial=np.random.default_rng(3), path=True)
+    back = found[(found.count == 1) & (found.windows == [0] + [-1] * (found.windows.shape[-1] - 1)).all(-1)]
+    cosine = abs((back.direction - d) @ d) / np.linalg.norm(back.direction - d, axis=-1)
+    s, p = reflection(1, room.openings[0].sheet.glass[0].shape.index, cosine)
+    assert len(back) > 5
+    assert transmission(back.jones) == pytest.approx((abs(s) ** 2 + abs(p) ** 2) / 2)
 
 
 def test_a_room_has_ideal_sheets_and_prisms_on_one_path():
