@@ -5,6 +5,7 @@ from __future__ import annotations  # help() then says ArrayLike
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
+from numbers import Real
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -74,13 +75,12 @@ def fit(
     the last window. `seen` (n, 2) is where the eye sees them in the plane of the first window. All are in tiles, from
     the window's centre, to the right and up. `free` may name numbers of a further window, such as window2_z. The other
     parameters are the scene's, which also says where the search starts; a search for alpha also starts 90, 180 and 270
-    degrees from there. `noise` is the standard deviation of a
-    marked coordinate, tiles. Without it, it follows from the residuals (so there must be more coordinates than
-    parameters); intervals are then those of Student's t. The prediction is `apparent_position`. The result has a
-    `warning` if the points do not determine a parameter, if the search ends at the edge of what is allowed or at no
-    minimum, if the points are far from where the best parameters show them, and if the scene cannot be drawn. Raises
-    InputError for parameters that are no numbers of the scene, for what is not finite, for too few points, and if a
-    point appears nowhere where the search starts.
+    degrees from there. `noise` is the standard deviation of a marked coordinate, tiles. Without it, it follows from the
+    residuals (so there must be more coordinates than parameters); intervals are then those of Student's t. The
+    prediction is `apparent_position`. The result has a `warning` if the points do not determine a parameter, if the
+    search ends at the edge of what is allowed or at no minimum, if the points are far from where the best parameters
+    show them, and if the scene cannot be drawn. Raises InputError for parameters that are no numbers of the scene, for
+    what is not finite, for too few points, and if a point appears nowhere where the search starts.
     """
     scene, names = checked_axial(scene, "fit"), [free] if isinstance(free, str) else [*free]
     start = np.array([_value(scene, name) for name in names])
@@ -127,7 +127,7 @@ def _checked(names: Sequence[str], places: ArrayLike, seen: ArrayLike, noise: fl
         )
     if not (np.isfinite(points).all() and np.isfinite(marked).all() and (points[:, 2:] >= 0).all()):
         raise InputError("places, seen: NaN, infinite, or a z1 below 0; allowed: finite numbers, tiles")
-    if noise is not None and not 0 < noise < np.inf:
+    if noise is not None and not (isinstance(noise, Real) and 0 < noise < np.inf):
         raise InputError(f"noise = {shown(noise)}: allowed: above 0, tiles; or None")
     if len({*names}) < len(names):
         raise InputError(f"free = {', '.join(names)}: a name twice; allowed: each once")

@@ -80,7 +80,7 @@ def irradiance(
     """
     scene, rng = checked_scene(scene), np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count, (width, height) = checked_count("count", count, MOST), PictureSize(size=size).size
-    z, diameter, left, right, bottom, top = _checked("z, diameter, extent", (z, diameter, *extent), 6)
+    z, diameter, left, right, bottom, top = _checked("z, diameter, extent", (z, diameter, *np.ravel(extent)), 6)
     if not (left < right and bottom < top):
         raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
     _check_scene(scene, source, diameter, z)

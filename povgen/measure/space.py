@@ -87,7 +87,7 @@ def draw(
     with saved_with(record_of([scene])), drawn(WIDTH, height, target, printed=printed, roomy=True) as figure:
         axes = figure.add_subplot()
         axes.set_aspect("equal", adjustable="datalim")
-        axes.set_title(title)
+        axes.set_title(title, parse_math=False)
         _plot_things(axes, sections, solid, sides)
         _plot(axes, rays, sides, BEYOND * size)
         for name, points, colour in names:

@@ -1,8 +1,7 @@
 """Numbers of a scene that need no picture: what the equations predict, and what the ray trace finds.
 
 They are for the scene's first object, seen through all windows; those of a room are for the first object that has an
-image. A quantity that does not exist, such as nu at the pole,
-is NaN.
+image. A quantity that does not exist, such as nu at the pole, is NaN.
 """
 
 from __future__ import annotations  # help() then says ArrayLike

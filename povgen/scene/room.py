@@ -112,7 +112,8 @@ class Room(Scene):
                 raise InputError(f"things = {shown(things)}: allowed: a list of objects and windows")
             for thing in [things] if isinstance(things, Placed) else things:
                 name = "window" if isinstance(thing, Window) else "object"
-                values[name] = [*values.get(name, ()), thing]
+                given = values.get(name, ())
+                values[name] = [*(given if isinstance(given, (list, tuple)) else [given]), thing]
             super().__init__(**values)
 
     @cached_property

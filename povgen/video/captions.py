@@ -139,9 +139,10 @@ def _moving_parts(scenes: Sequence[Scene]) -> list[list[str]]:
     """Return the short caption of each frame of a movie of rooms: the numbers that are not the same in all frames."""
     rows: list[dict[tuple[str, str], float]] = [{} for _ in scenes]
     about: dict[tuple[str, str], str] = {}
+    common = set.intersection(*({*type(scene).model_fields} for scene in scenes))
     for scene, row in zip(scenes, rows, strict=True):
         for part, model in {"": scene, **scene.parts}.items():
-            row |= {(part, name): x for name, x in model if type(x) in (int, float)}
+            row |= {(part, name): x for name, x in model if type(x) in (int, float) and (part or name in common)}
             about |= {(part, name): field.description or "" for name, field in type(model).model_fields.items()}
     found: list[list[str]] = []
     for part, name in dict.fromkeys(key for row in rows for key in row):

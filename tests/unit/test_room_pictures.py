@@ -64,6 +64,13 @@ def test_a_movies_caption_says_what_changes():
         ["left: α = 12.5°", "piece1: yaw = 250°", "eye: x = 0.25 tiles", "eye: view = 4.25 tiles"],
     ]
     assert said(Room([SPHERE]), Chess(), caption="short")[1][0] == "ball: x = none"
+    for values, lines in {
+        ("pupil", 0.0, 0.4): ["pupil = 0.00 tiles", "pupil = 0.40 tiles"],
+        ("focus", 3, "best"): ["focus = 3 tiles", "focus = best"],
+        ("wavelength", 450, 600): ["wavelength = 450 nm", "wavelength = 600 nm"],
+    }.items():
+        movie = [Room([Window(glass="N-BK7"), KNIGHT], **{values[0]: value}) for value in values[1:]]
+        assert [texts[0] for texts in said(*movie, caption="short")] == lines
 
 
 def dots(picture, colour):
