@@ -284,14 +284,20 @@ function drawVotes(question) {
     const bars = rounds.map(() => element("i")), share = element("output", { ariaLive: "off" });  // the field says the number
     return { row: element("label", {}, element("span", {}, choice), field, element("span", { className: "track" }, ...bars), share), bars, share };
   });
-  const show = () => rows.forEach(({ bars, share }, k) => {
+  const show = () => {
+    again.disabled = rounds.length > 1 && rounds[1].some(Boolean);
+    rows.forEach(showRow);
+  };
+  const showRow = ({ bars, share }, k) => {
     const shares = rounds.map((round) => round[k] / round.reduce((sum, x) => sum + x, 0));  // NaN before anybody votes
     bars.forEach((bar, m) => (bar.style.width = `${100 * (shares[m] || 0)}%`));
     share.textContent = rounds.flat().some(Boolean) ? shares.map((x) => (Number.isNaN(x) ? "–" : percent(x))).join(" → ") : "";
-  });
-  const again = element("button", { type: "button", textContent: say("asking.vote_again"), hidden: rounds.length > 1 });
+  };
+  const again = element("button", { type: "button", textContent: say("asking.vote_again"), ariaPressed: String(rounds.length > 1) });
   again.addEventListener("click", () => {
-    rounds.push(none());
+    // pressed again before anybody has voted: it was pressed by mistake
+    if (rounds.length > 1) rounds.pop();
+    else rounds.push(none());
     count();
     drawVotes(question);
     $("votes").querySelector("input").focus();

@@ -2,7 +2,7 @@
 
 import { onArrows, onDrag } from "../liveview/pointer.js";
 import { hasPiece } from "../liveview/presets.js";
-import { abs, finite, minus, plus, scaled } from "./complex.js";
+import { abs, conj, determinant, finite, minus, plus, resolved, scaled } from "./complex.js";
 import { $, clamped, refresh } from "./data.js";
 import { orientation } from "./diagram.js";
 import { say } from "./language.js";
@@ -63,27 +63,43 @@ function holdInPicture(event) {
   return hold(event, what, (way) => {
     const tiles = scaled(1 / tilePixels(), way);
     return what !== "L" ? tiles : objectStep(now, tiles);
-  }, null, before);
+  }, {}, before);
 }
 
 function holdInDiagram(event) {
   const handle = event.target.closest(".handle");
   const map = session.diagramMap;
-  return handle ? hold(event, handle.dataset.moves, (way) => scaled(1 / map.tile, way), map) : undefined;
+  return handle ? hold(event, handle.dataset.moves, (way) => scaled(1 / map.tile, way), { map }) : undefined;
 }
 
-// While it is held, the pointer's way in pixels becomes a step of L or E in tiles.
-function hold(event, what, toTiles, map, before = { ...state }) {
+// In the light's view, a pointer moves the eye or the object along two of the axes x, y and z: those that are seen best from there.
+function holdInSpace(event) {
+  const what = event.target.closest("[data-moves]")?.dataset.moves, view = session.spaceView;
+  if (!what) return undefined;
+  const seen = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => conj(minus(view.to(axis), view.to([0, 0, 0]))));
+  const area = (axes) => Math.abs(determinant(axes.map((k) => seen[k])));
+  const axes = [[2, 1], [2, 0], [0, 1]].reduce((one, other) => (area(other) > area(one) ? other : one));
+  return hold(event, what, (way) => {
+    const step = [0, 0, 0];
+    resolved(way, axes.map((k) => seen[k])).forEach((x, n) => (step[axes[n]] = x));
+    return step;
+  }, { view });
+}
+
+// While it is held, the pointer's way in pixels becomes a step of L or E in tiles: to the right, up and, if it is said, away from the eye.
+function hold(event, what, toTiles, kept, before = { ...state }) {
   event.preventDefault();
   document.activeElement.blur();
   const handle = event.target.closest(".handle"), from = state[what];
   if (handle?.dataset.moves === what) handle.focus({ preventScroll: true });  // it would lie behind the picture
   player.pause();
-  session.held = { what, map, before };
+  session.held = { what, ...kept, before };
+  const [depth, away] = what === "E" ? ["z2", -1] : ["z1", 1];
   document.body.classList.add("dragging");
   $("hint").hidden = true;
   return (way) => {
-    change({ [what]: plus(from, toTiles(way)) });
+    const step = toTiles(way), z = step.length > 2 ? { [depth]: before[depth] + away * step[2] } : {};
+    change({ [what]: plus(from, step), ...z });
     refresh();
   };
 }
@@ -98,6 +114,7 @@ function release({ type }) {
 
 onDrag(stage, holdInPicture, release);
 onDrag($("diagram-box"), holdInDiagram, release);
+onDrag($("space-turn"), holdInSpace, release);
 
 for (const handle of document.querySelectorAll(".handle[data-moves]")) {
   onArrows(handle, (step, { shiftKey }) => {

@@ -27,7 +27,8 @@ export function drawSpace(now) {
   if (!width) return;
   const rem = Math.min(parseFloat(getComputedStyle(document.documentElement).fontSize), width / 24);
   const drawing = state.light === "prism" ? onePrism(now) : scene(now);
-  const view = roomBeside(picture(), drawing, { left: 0, width, height }, rem);
+  const view = session.held?.view ?? roomBeside(picture(), drawing, { left: 0, width, height }, rem);
+  session.spaceView = view;
   space.setAttribute("viewBox", `0 0 ${width} ${height}`);
   space.replaceChildren(...drawing.parts(view, rem));
   if (drawing.squeeze < 1 && height >= LOW) space.append(words("scale", [width / 2, height - Math.max(0.8 * rem, 12)], say("light.shorter", { times: brief(1 / drawing.squeeze) })));
@@ -118,6 +119,7 @@ function scene(now) {
     ...(field ? fieldParts(now, field, view, rem) : []),
     ...eyeParts(eye, view, rem),
     ...names(now, { object, eye, image: near }, view, rem),
+    hold("E", eye, view, rem), hold("L", [L[0], L[1] + (presets.hasPiece(state.scene) ? 0.5 : 0), object[2]], view, rem),
   ] };
 }
 
@@ -212,6 +214,9 @@ function eyeParts(eye, { to }, rem) {
   const d = `M${x - wide} ${y}Q${x} ${y - high} ${x + wide} ${y}Q${x} ${y + high} ${x - wide} ${y}Z`;
   return [svg("path", { class: "eye q q-E", d }), svg("circle", { class: "pupil q q-E q-pupil", cx: x + 0.3 * rem, cy: y, r: 0.27 * rem })];
 }
+
+// Where a pointer takes hold of the eye, or of the object.
+const hold = (what, point, { to }, rem) => svg("circle", { class: "hold", "data-moves": what, cx: to(point)[0], cy: to(point)[1], r: 1.4 * rem });
 
 const marksP = ({ place, sheet }) => state.light === "ray" && sheet !== "none" && finite(place) && abs(place) < 4;
 
@@ -322,7 +327,8 @@ for (const event of ["pointerdown", "pointermove", "pointerup", "pointercancel"]
     if (type === "pointerup" || type === "pointercancel") fingers.delete(pointerId);
   });
 }
-onDrag($("space-turn"), () => {
+onDrag($("space-turn"), ({ target }) => {
+  if (target.closest("[data-moves]")) return undefined;  // handles.js
   const [azimuth, elevation] = session.camera;
   return ([right, up]) => turnTo([azimuth - right / 150, elevation - up / 150]);
 });

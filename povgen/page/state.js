@@ -49,6 +49,7 @@ export const session = {
   typing: null,       // the field that someone is typing in
   held: null,         // what is being dragged
   diagramMap: null,   // from the coordinates of the diagram that is shown to its pixels
+  spaceView: null,    // from points in space to pixels of the light's view
   camera: CAMERAS.corner, // the view of the light
   measuring: false,   // whether the panel for measuring is open
   answered: false,    // whether the sentence is shown while a class measures

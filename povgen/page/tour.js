@@ -147,11 +147,11 @@ $("tour-leave").addEventListener("click", () => tour.leave());
 // Whoever moves something else takes over. A panel, also the teacher's, begins with what the page showed before, and so do the tools if
 // nobody asked for the guided start. A language moves nothing.
 const taken = ({ target }) => {
-  if (tour.step >= 0 && !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer details")) tour.leave(!target.closest?.(`[role=tab], #teach-open${tour.asked ? "" : ", #share-open"}`), Boolean(target.closest?.("#space-box")));
+  if (tour.step >= 0 && (target.closest?.("#space [data-moves]") || !target.closest?.("#tour, #tour-start, #space-turn, #cameras, #language, footer details"))) tour.leave(!target.closest?.(`[role=tab], #teach-open${tour.asked ? "" : ", #share-open"}`), Boolean(target.closest?.("#space-box")));
 };
 for (const event of ["input", "change"]) document.addEventListener(event, taken, true);
 // What is pressed is where it was until it is released: without the guided start, parts of the page have other places.
-for (const [event, parts] of [["pointerdown", "#stage, [type=range]"], ["click", "#stage, button, input, select"]]) {
+for (const [event, parts] of [["pointerdown", "#stage, #space [data-moves], [type=range]"], ["click", "#stage, button, input, select"]]) {
   document.addEventListener(event, (what) => what.target.closest?.(parts) && !isTouch(what) && taken(what), true);
 }
 // A finger on the picture, or on a slider, may only scroll the page: it takes over when it moves what is there.

@@ -160,6 +160,31 @@ def test_the_view_is_turned_by_keys_dragging_and_buttons(page):
     assert page.evaluate("({ ...state })") == state  # and nothing else has changed
 
 
+@pytest.mark.parametrize(
+    ("camera", "axis"),
+    [("side", "y"), ("corner", "y"), ("above", "x")],
+)
+def test_the_eye_and_the_object_can_be_dragged(page, camera, axis):
+    """Each follows the pointer: along z, and up or aside, whichever is seen better."""
+    show(page, large=True, z1=4, z2=6)
+    page.evaluate(f"session.camera = CAMERAS.{camera}; draw()")
+    for what, depth in (("L", "z1"), ("E", "z2")):
+        before, part = page.evaluate("({ ...state })"), f"#space .hold[data-moves={what}]"
+        [start] = bounds(page, part)
+        x, y = start["x"] + start["width"] / 2, start["y"] + start["height"] / 2
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 40, y - 15)
+        page.evaluate("draw()")
+        [end] = bounds(page, part)
+        page.mouse.up()
+        assert (end["x"] - start["x"], end["y"] - start["y"]) == pytest.approx((40, -15), abs=1)
+        after = page.evaluate("({ ...state })")
+        assert (after[depth] - before[depth]) * (1 if what == "L" else -1) > 0.1
+        assert [k for k, x in zip("xy", before[what], strict=True) if x != after[what]["xy".index(k)]] == [axis]
+        assert {**after, what: 0, depth: 0} == {**before, what: 0, depth: 0}
+
+
 def test_the_view_takes_the_place_of_the_picture(page):
     page.get_by_role("checkbox", name="large").check()
     page.evaluate("draw()")
