@@ -232,6 +232,20 @@ def test_the_eye_follows_a_phone_that_is_tilted(page):
     assert page.locator("#tilt").get_attribute("aria-pressed") == "false"
 
 
+@pytest.mark.parametrize("size", [(740, 360), (390, 760)], ids=str)
+def test_on_a_phone_what_is_shown_stays_beside_the_sliders(page, size):
+    resize(page, size)
+    page.evaluate("fromHash('')")
+    for large in (False, True):
+        show(page, large=large, light="pencil", level="simple")
+        page.locator("#row-z2").scroll_into_view_if_needed()
+        assert page.evaluate("scrollY") > 40
+        for part in ("#space-turn" if large else "#stage", "#row-z1", "#row-z2"):
+            expect(page.locator(part)).to_be_in_viewport(ratio=0.99)
+    if size[0] > size[1]:
+        assert page.locator("header").bounding_box()["height"] < 45  # one row
+
+
 def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
     """On a phone, also in the guided start, and beside a question. The buttons and the sliders stay where they are."""
     resize(page, (1280, 800))
