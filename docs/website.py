@@ -154,7 +154,8 @@ def build(output: Path) -> None:
         (source / "_static").mkdir()
         (source / "_static" / "site.css").write_text(CSS, "utf-8")
         trees = Path(folder) / "trees"
-        Sphinx(source, None, output, trees, "html", confoverrides=SETTINGS, status=None, warningiserror=True).build()
+        strict = {"warningiserror": True, "exception_on_warning": True}
+        Sphinx(source, None, output, trees, "html", confoverrides=SETTINGS, status=None, **strict).build()
     for page in output.rglob("*.html"):
         text = page.read_text("utf-8")
         for faulty, mended in MENDED.items():
