@@ -23,8 +23,8 @@ from povgen.video.overlay import annotated
 from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, TEXT, text_width, write
 
-# of a panel, of two tall ones, of a slim one, and of a picture with one
-SIZE, TALL, NARROW, SLIM, WIDE = (480, 480), (520, 720), (340, 720), (240, 480), (968, 410)
+# of a panel, of two tall ones, and of a picture with one
+SIZE, TALL, NARROW, WIDE = (480, 480), (520, 720), (340, 720), (968, 410)
 VIEW = 3.5  # tiles
 PART, TIMES = 40, 4  # side of the part that is magnified, pixels, and how many times larger it is
 GAP = 8  # between two panels, pixels
@@ -214,7 +214,7 @@ OTHERS: dict[str, list[Panel]] = {
     "white": [
         Panel(
             WHITE.replace(sheet="lenticular", lenses=500, f_number=6),
-            "lenses: blurred, coloured edges, ghosts",
+            "white light through lenses: blurred, ghosts",
             names={
                 "ghost": (0.19 + 0.82j, -0.17 + 0.61j),
                 "another ghost": (0.38 - 1.2j, -0.03 - 0.94j),
@@ -227,19 +227,19 @@ OTHERS: dict[str, list[Panel]] = {
         ),
         Panel(
             WHITE.replace(prisms=500, look=(0.25, -0.05)),
-            "prisms: sharp, no ghosts",
-            names={"stray light × 8": (0.49 + 0.96j, 0.07 + 0.82j), "knight × 1": (0.51 + 0.4j, 0.31 - 0.08j)},
+            "through prisms: sharp",
+            names={"faint stray light, × 8": (0.4 + 0.96j, 0.07 + 0.82j), "knight × 1": (0.51 + 0.4j, 0.31 - 0.08j)},
             brighter=8,
             aside=True,
             size=NARROW,
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "parallel: 34 % of designed light", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
-        Panel(CROSSED, "crossed: 1.5 %", size=SLIM),
+        Panel(POLARISED, "polarisers parallel: 34 % passes", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
+        Panel(CROSSED, "polarisers crossed: 1.5 % passes"),
         Panel(
             CROSSED,
-            "crossed, 6 × brighter",
+            "crossed, shown 6 × brighter",
             names={
                 "designed light": (-0.86 + 0.38j, -0.03 - 0.2j),
                 "stray light": (0.72 - 1.31j, -0.31 - 1.27j, 1.1 - 0.86j, 1.48 - 1.07j),

@@ -33,8 +33,8 @@ def save_charts(folder: Path) -> None:
         draw_rays(rays)
         draw_wave_front(wave_front)
         save_lines(folder / "field.csv", wave_front)
-    with drawn(9, 4.8, folder / "jumps.png") as figure:
-        draw_pieces(figure.subplots())
+    with drawn(9, 6.4, folder / "jumps.png") as figure:
+        draw_pieces(*figure.subplots(2, 1, sharex=True, height_ratios=(3, 2)))
     with drawn(9, 4.8, folder / "curl.png") as figure:
         draw_curl(curl := figure.subplots())
         save_lines(folder / "curl.csv", curl)
@@ -127,7 +127,7 @@ def draw_wave_front(ax: Axes) -> None:
     name_lines(ax)
 
 
-def draw_pieces(ax: Axes) -> None:
+def draw_pieces(ax: Axes, enlarged: Axes) -> None:
     """Draw the optical path on a circle round the axis: what the ideal sheet's rays demand, and what prisms do."""
     turns = np.linspace(0, 2 * pi, 60001)
     demanded = RADIUS**2 * equations.curl(DISTANCE, 0, radians(ALPHA)) / 2 * turns
@@ -140,13 +140,17 @@ def draw_pieces(ax: Axes) -> None:
     most = 1e6 * demanded[-1]
     ax.annotate("", (360, most), (360, 0), arrowprops={"arrowstyle": "<->", "color": IDEAL, "shrinkA": 0, "shrinkB": 0})
     ax.annotate(f"{most:.0f} µm", (360, most / 2), (6, 0), textcoords="offset points", color=IDEAL, va="center")
-    ax.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
+    for each in (ax, enlarged):
+        each.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
     text = f"prisms: {np.count_nonzero(jumps)} jumps between pieces,\ntogether {1e6 * jumps.sum():.0f} µm"
     to = {"color": PRISMS, "arrowprops": {"arrowstyle": "->", "color": PRISMS}}
     ax.annotate(text.replace("-", "−"), (244, 5), (200, 32), **to)
+    enlarged.text(5, 10, "prisms, enlarged", color=PRISMS)
     circle = f"circle on the sheet: radius {1e3 * RADIUS:g} mm\n"
     ax.text(5, 125, f"{circle}pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m, α = {ALPHA}°", color=GREY)
-    ax.set(xlabel="angle on the circle, degrees", ylabel="optical path from the point (µm)", xlim=(0, 360))
+    ax.set_ylabel("optical path from the point (µm)")
+    enlarged.set(xlabel="angle on the circle, degrees", ylabel="the same (µm)")
+    enlarged.set(xlim=(0, 360), ylim=(-12, 14), xticks=range(0, 361, 60))
     ax.set_title(f"Ideal rays demand {most:.0f} µm more in a turn; the jumps of prisms take it back")
 
 

@@ -72,9 +72,9 @@ def windows(picture: Picture) -> None:
 
 
 def box(picture: Picture) -> None:
-    """Also outline the knight where it stands."""
+    """Also outline the knight and its pedestal where they stand."""
     windows(picture)
-    alone = picture.room.replace(window=(), object=picture.room.object[-1:])
+    alone = picture.room.replace(window=(), object=picture.room.object[-2:])
     places = picture.room.camera.pixels(picture.size)
     knight = (picture.render(alone) != picture.render(alone.replace(object=()))).any(-1)
     x, y = places[0].real, places[:, 0].imag
@@ -83,6 +83,7 @@ def box(picture: Picture) -> None:
     picture.write(np.array((-0.15, 0.72, 0)), "stands here", 18)
     picture.write(np.array((1.3, 1.48, 0)), "is seen here", 18)
     picture.line(np.array(((1.2, 1.33, 0), (1.0, 0.5, 0))), INK, 2)
+    picture.write(np.array((-1.4, -1.42, -1)), "each side: α = 180°", 13)
 
 
 def star(picture: Picture) -> None:

@@ -238,10 +238,10 @@ def check_unasked(files: Iterable[Path], sign: Path | None = None) -> None:
     """Raise InputError if one of these files, which the user did not name, exists and povgen did not write it.
 
     The file's record or its beginning shows whether povgen wrote it. If povgen always writes all of these files
-    together, `sign` is the one that shows it for all.
+    together, `sign` is the one that shows it for those that have neither.
     """
     for path in files:
-        if os.path.lexists(path) and not _is_own(sign or path):
+        if os.path.lexists(path) and not (_is_own(path) or sign and _is_own(sign)):
             raise InputError(f"output: {str(path)!r} exists, and povgen did not write it; allowed: another output")
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self, Typ
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
+from povgen import fonts
 from povgen.errors import at_most
 from povgen.validation import Model
 
@@ -82,8 +83,7 @@ else:
         | None,
         BeforeValidator(_antialias),
     ]
-# letters that povgen's font has
-Note = Annotated[str, Field(pattern="^[ -~\u00a1-\u00ff\u0152\u0153\u0391-\u03a1\u03a3-\u03c9–—‘’‚‛“”„…′₀-₉]{0,80}$")]
+Note = Annotated[str, Field(pattern=f"^[{fonts.LETTERS}]{{0,80}}$")]
 Pixels = Annotated[int, Field(ge=32, le=MAX_SIDES["gl"]), AfterValidator(_even)]
 
 

@@ -16,9 +16,10 @@ from povgen.record import PICTURES, Record, check_unasked
 from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
 from povgen.rendering.frames import drawn_by
+from povgen.rendering.views import fitted
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import SCENES, recorded
+from povgen.scene.scenes import SCENES, AxialScene, recorded
 from povgen.settings import Rendering
 from povgen.version import __version__
 
@@ -98,14 +99,24 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
         del options["eye_distance"]
     if "quality" in values:  # the quality then decides the size, unless the user gives a size
         del options["size"]
-    if "quality" in values or values.get("sheet") == "auto":
+    if "quality" in values or "sheet" in values:  # they decide it
         del options["antialias"]
+    scenes = [_without_default_view(scene, record.rendering.size) for scene in scenes]
     if not quiet and values.get("renderer", record.rendering.renderer) == record.rendering.renderer:
         here = __version__, drawn_by(record.rendering.renderer)
         if record.renderer and here != (record.povgen, record.renderer):
             made = f"made by povgen {record.povgen} and {record.renderer}, here are {' and '.join(here)}"
             say(f"povgen: warning: {source}: {made}: pixels can differ")
     return record, scenes, {**options, **values}
+
+
+def _without_default_view(scene: Scene, size: tuple[int, int]) -> Scene:
+    """Return the scene of a record without its view, if this is the default for pictures of this size."""
+    if not isinstance(scene, AxialScene):
+        return scene
+    values = {name: value for name, value in scene if name in scene.model_fields_set - {"view"}}
+    other = type(scene)(**values)
+    return other if fitted([other], size)[0].camera.height == scene.view else scene
 
 
 def split(values: Values) -> tuple[Values, Values]:

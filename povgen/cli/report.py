@@ -68,7 +68,7 @@ def warn_unused(values: Mapping[str, Any], scenes: Sequence[Scene]) -> None:
         say(f"povgen: warning: sky: no effect with background = {scenes[0].background}; it is for sky")
     if values.get("focus") and scenes and not any(scene.pupil for scene in scenes):
         say("povgen: warning: focus: no effect with pupil = 0; it is for larger pupils")
-    for text in dict.fromkeys(_unused_in_windows(scenes, values)):
+    for text in dict.fromkeys([*_unused_in_windows(scenes, values), *_unused_in_rooms(scenes, values)]):
         say(f"povgen: warning: {text}")
 
 
@@ -91,6 +91,15 @@ def _unused_in_windows(scenes: Sequence[Scene], values: Mapping[str, Any]) -> It
                     yield f"{name}: parameter: {lost}: no effect, because its law lacks it"
     for lost in sorted(stated - shared) if "parameter" in values and shared else ():
         yield f"parameter: {lost}: no effect, because no law contains it"
+
+
+def _unused_in_rooms(scenes: Sequence[Scene], values: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a text for each number of a room's window that is swept and changes nothing."""
+    for name, part in [each for scene in scenes for each in scene.parts.items()]:
+        if isinstance(part, Window):
+            for unused in PARAMETERS.keys() - {each.name for each in part.optics.parameters}:
+                if f"{name}.{unused}" in values:
+                    yield f"{name}.{unused}: no effect with sheet = {part.optics.name}"
 
 
 def _with_own_parameters(scene: Scene) -> list[tuple[str, FurtherWindow | Window, Sheet]]:

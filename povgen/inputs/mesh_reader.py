@@ -313,6 +313,8 @@ def _ears(points: Any, normal: Any) -> Any:  # noqa: ANN401  (numpy's)
     flat = points[:, (axis + 1) % 3] + 1j * points[:, (axis + 2) % 3] * np.sign(normal[axis])
     found, left = [], np.arange(len(points))
 
+    least = -1e-6 * np.abs(normal).max()  # corners in one line: their numbers are rounded
+
     def turn(a: Any, b: Any, p: Any) -> Any:  # noqa: ANN401
         """Above 0 where the point p is to the left of the line from a to b."""
         return ((b - a).conjugate() * (p - a)).imag
@@ -323,8 +325,8 @@ def _ears(points: Any, normal: Any) -> Any:  # noqa: ANN401  (numpy's)
             a, b, c = flat[ear]
             others = flat[left]
             others = others[(others != a) & (others != b) & (others != c)]
-            inside = (turn(a, b, others) >= 0) & (turn(b, c, others) >= 0) & (turn(c, a, others) >= 0)
-            if turn(a, b, c) > 0 and not inside.any():
+            inside = (turn(a, b, others) >= least) & (turn(b, c, others) >= least) & (turn(c, a, others) >= least)
+            if turn(a, b, c) > -least and not inside.any():
                 break
         else:
             n = 1

@@ -82,7 +82,9 @@ def fit(
     show them, and if the scene cannot be drawn. Raises InputError for parameters that are no numbers of the scene, for
     what is not finite, for too few points, and if a point appears nowhere where the search starts.
     """
-    scene, names = checked_axial(scene, "fit"), [free] if isinstance(free, str) else [*free]
+    scene, names = checked_axial(scene, "fit"), [free] if isinstance(free, str) else free
+    if not (isinstance(names, Sequence) and all(isinstance(name, str) for name in names)):
+        raise InputError(f"free = {shown(free)}: allowed: names of the scene's numbers")
     start = np.array([_value(scene, name) for name in names])
     points, marked = _checked(names, places, seen, noise)
     off = _residuals(scene, names, points, marked)

@@ -17,6 +17,7 @@ from povgen.optics.equations import Complexes, Floats, real
 from povgen.optics.faces import Booleans, Indices
 from povgen.optics.opening import Opening
 from povgen.optics.rays import LARGEST, MOST, Bundle, Traced, checked_count
+from povgen.optics.shares import meet_tops
 from povgen.optics.trace import CHUNK, End
 from povgen.optics.values import Values
 from povgen.rendering.frames import read_png
@@ -85,6 +86,7 @@ def irradiance(
         raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
     _check_scene(scene, source, diameter, z)
     colours = 3 if isinstance(source, Card) else 1
+    black = _has_black_tops(scene)
     sums, squares = np.zeros((2, 2 * height * width, colours))  # of rays' powers: first of designed light
     power = np.zeros((2, colours))  # that enters, that leaves
     for start in range(0, count, CHUNK):
@@ -92,6 +94,7 @@ def irradiance(
         traced = scene.trace(rays, partial=rng if scene.fresnel else None)
         light *= (traced.windows[:, :1] == window[:, None]) / count
         at, arrives = _on(traced, z)
+        arrives &= ~(black & meet_tops(traced))
         power += light.sum(0), light[arrives].sum(0)
         column = np.floor((at.real - left) / (right - left) * width)
         row = np.floor((top - at.imag) / (top - bottom) * height)
@@ -133,6 +136,14 @@ def _check_scene(scene: Scene, source: ArrayLike | Card, diameter: float, z: flo
         depth = abs(opening.pose.axes[:, 2]) @ sizes / 2  # half of its extent along z
         if abs(z - opening.pose.z) < depth:
             raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")
+
+
+def _has_black_tops(scene: Scene) -> bool:
+    """Return whether the prisms' tops are black. Raises ValueError if only those of some windows are."""
+    tops = {sheet.values.get("tops", "clear") for sheet in scene.sheets if sheet.glass}
+    if len(tops) > 1:
+        raise ValueError("tops = 'black': in some windows only; allowed: in all, or in none")
+    return "black" in tops
 
 
 def _checked(name: str, values: Any, count: int) -> Any:  # noqa: ANN401

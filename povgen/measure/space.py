@@ -11,7 +11,7 @@ from povgen.files import checked_output
 from povgen.measure.plotting import GREY, IDEAL, PRISMS, AutoLocator, Axes, drawn, name_lines, withStroke
 from povgen.objects.scene_object import SceneObject
 from povgen.optics import faces
-from povgen.optics.equations import Floats
+from povgen.optics.equations import Floats, real
 from povgen.optics.opening import Opening
 from povgen.optics.rays import Traced
 from povgen.optics.trace import End
@@ -68,7 +68,7 @@ def draw(
     printed = Print(dpi=dpi, width=width)
     if traced is not None and not (isinstance(traced, Traced) and traced.corners.shape[-2]):
         raise ValueError("traced: the paths were not kept; allowed: rays of trace(..., path=True)")
-    if not np.isfinite((azimuth, elevation)).all():
+    if not np.isfinite(real("azimuth, elevation", (azimuth, elevation))).all():
         raise ValueError(f"azimuth, elevation = {azimuth:g}, {elevation:g}: allowed: finite numbers, degrees")
     sides = _sides(azimuth, elevation)
     straight = bool((abs(sides).max(1) == 1).all())

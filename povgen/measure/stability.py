@@ -41,7 +41,7 @@ MAPS = {made.name: made for made in (  # without rows
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
         finding="(f) Eye off the axis: the error is at most 1.2 times what povgen states",
         band=("right", limits.MAX_CAMERA_ERROR, "povgen takes more cells"),
-        groups={"": "8 scenes"},
+        groups={"": "8 scenes, each with 4 sizes of cells"},
     ),
     StabilityMap(
         "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",

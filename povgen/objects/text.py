@@ -22,7 +22,7 @@ class Text(Board):
     kind = "text"
     title = "text"
 
-    text: Annotated[str, Field(pattern=r"^[\p{Latin}\p{Greek}\p{N}\p{P}\p{S} ]{1,60}$")] = Field(
+    text: Annotated[str, Field(pattern=f"^[{fonts.LETTERS}]{{1,60}}$")] = Field(
         default="R", description="the text, up to 60 characters, Latin or Greek letters"
     )
     height: Length = Field(default=0.6, description="height of the board, 0.01 to 1000 tiles; its width follows")

@@ -21,7 +21,7 @@ from povgen.optics.rays import Bundle
 from povgen.optics.values import Values
 from povgen.optics.window_trace import nearest, slope_of_light
 
-MOST = 6  # windows on a path
+MOST = 20  # windows on a path: as many as a room can have
 STARTS = 2  # rays from which a path through a sequence of windows is searched for
 _ROW = 40  # rays to a window in a row of the net
 _ANGLES = np.tan(np.radians(np.linspace(-84, 84, 57)))  # slopes of the net's other rays

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from povgen.optics.faces import Face
+from povgen.optics.faces import Booleans, Face
 from povgen.optics.trace import End, Rays
 
 
@@ -29,6 +29,11 @@ class Shares:
     blocked: float  # meet an ideal sheet through which no light of their direction passes
 
 
+def meet_tops(rays: Rays) -> Booleans:
+    """Return which rays through prisms meet a top. No ray on the designed path does."""
+    return np.asarray((rays.faces == Face.TOP).any(-1) & ~rays.designed)  # TOP is also edge 3 of a profile
+
+
 def shares(rays: Rays, black_tops: bool = False) -> Shares:
     """Return what becomes of rays, a result of `trace.trace`. Raises ValueError if there are no rays.
 
@@ -38,7 +43,7 @@ def shares(rays: Rays, black_tops: bool = False) -> Shares:
     """
     if not rays.end.size:
         raise ValueError("0 rays; allowed: one or more")
-    absorbed = (rays.faces == Face.TOP).any(-1) & black_tops & ~rays.designed  # TOP is also edge 3 of a profile
+    absorbed = meet_tops(rays) & black_tops
     through = rays.end == End.THROUGH
     kinds = {
         "designed": rays.designed,

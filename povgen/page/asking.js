@@ -3,7 +3,7 @@
 import { hasPiece } from "../liveview/presets.js";
 import { coded, fromHash, ownQuestion, settings } from "./address.js";
 import { $, element, on, pick, refresh, write } from "./data.js";
-import { keep, saveTable, work } from "./kept.js";
+import { inTab, keep, saveTable, work } from "./kept.js";
 import { entry, percent, printed, say, typedNumber, unbroken } from "./language.js";
 import { compared, dashedOutline, matching, misfit, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
@@ -20,6 +20,7 @@ export function openQuestion(n) {
   session.replaced = null;
   if (n >= 0) {
     session.lastQuestion = n;
+    inTab("question", QUESTIONS[n].name ?? "");
     showQuestion(n);
   } else {
     change({ ...session.explored, ...pick(state, ...LOOKER), question: -1 });
@@ -171,7 +172,9 @@ export function drawQuestion() {
     const given = prediction(n) ?? (kept?.question === question ? kept.made : null);
     if (given && input.type === "radio") input.checked = input.value === given;
     else if (given) input.value = given;
-    input.parentNode.classList.toggle("right", shown && input.type === "radio" && Number(input.value) === question.answer());
+    const isChoice = shown && input.type === "radio", isRightOne = Number(input.value) === question.answer();
+    input.parentNode.classList.toggle("right", isChoice && isRightOne);
+    input.parentNode.classList.toggle("wrong", isChoice && !isRightOne && input.checked);
   }
   kept = null;
   const said = element("p", {}, ...(shown ? answerText(question, prediction(n)) : [refused]));

@@ -10,7 +10,7 @@ import { apparentPosition, appearance, moment, objectStep, outside } from "./mom
 import { onStage, stage, tilePixels } from "./overlay.js";
 import { placeSaid } from "./phrases.js";
 import { player, povray } from "./player.js";
-import { change, session, state } from "./state.js";
+import { change, FLOOR, session, state } from "./state.js";
 
 const KEY_STEP = 0.05;  // tiles; with Shift five times as far
 
@@ -23,7 +23,7 @@ function underPointer(event, at, now) {
   const handle = event.target.closest(".handle");
   if (state.light === "aim" && !handle && !outside(placeAt(at), now.scene)) change({ W: placeAt(at) });
   if (state.light === "aim" && (handle?.dataset.moves === "W" || !outside(placeAt(at), now.scene))) return "W";
-  if (handle && state.position) return handle.dataset.moves;  // otherwise it is not seen
+  if (handle && (state.position || handle.dataset.moves === "L")) return handle.dataset.moves;  // otherwise the eye's is not seen
   if (!hasPiece(state.scene)) {
     const found = sphereAt(at, now);
     if (found === undefined) return "E";
@@ -138,6 +138,10 @@ export function placeHandles(now) {
   };
   const inPicture = { eye: now.E, object: finite(now.place) ? now.place : [0, 0], aim: state.W }, inDiagram = { eye: [1, 0], object: [0, 0] };
   for (const [name, place] of Object.entries(inPicture)) put(`${name}-picture`, onStage(place), stage);
+  const { nu, turned = nu, M } = now, tile = finite(now.place) ? Math.min(M * tilePixels(), 0.4 * stage.clientHeight) : 0, picture = $("object-picture").style;
+  picture.transform += ` rotate(${-(turned || 0)}rad)`;
+  picture.setProperty("--tile", `${hasPiece(state.scene) ? tile : 0}px`);
+  picture.setProperty("--pedestal", state.L[1] - FLOOR);
   $("aim-picture").hidden = state.light !== "aim";
   for (const [name, place] of Object.entries(inDiagram)) {
     $(`${name}-diagram`).hidden = orientation() !== "picture";

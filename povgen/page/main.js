@@ -16,6 +16,7 @@ import { moment } from "./moment.js";
 import { drawOverlay, stage } from "./overlay.js";
 import { drawCompare, drawView, view, writeFailure } from "./picture.js";
 import { player, povray } from "./player.js";
+import { QUESTIONS } from "./questions.js";
 import { drawBehind } from "./room.js";
 import { drawRoom } from "./rooms.js";
 import { tell } from "./sound.js";
@@ -130,6 +131,7 @@ addEventListener("popstate", () => {
 });
 
 drawBy(drawPage);
+if (isReloaded) session.lastQuestion = QUESTIONS.findIndex(({ name }) => name === inTab("question"));
 fromHash(location.hash);
 const opened = toHash();
 let kept = opened, keptChoice = chosen();  // the state that the address has

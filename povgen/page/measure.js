@@ -43,6 +43,7 @@ let level = "";  // of the rows that are shown
 let shown = false;
 let placed = "";    // the settings for which the points were placed
 let written = "";   // the settings of the last row, until a point is moved
+let lastRow = "";   // what it says
 let told = "";      // the settings whose answer is shown
 const present = () => JSON.stringify(pick(state, "scene", ...SETTINGS));
 export const pointsAsked = () => (shown && placed !== present() ? [say("measure.move_first")] : []);
@@ -64,6 +65,7 @@ export function drawMeasure(now) {
   }
   $("write-down").setAttribute("aria-disabled", !isNew());  // not `disabled`: it keeps the focus
   $("move-first").style.visibility = isNew() ? "hidden" : "";  // it keeps its room, so that the buttons stay where they are
+  write("move-first", written && written === placed ? lastRow : say("measure.move_first"));
   $("tell").setAttribute("aria-pressed", session.answered);
   const [A, B, C] = [points.A, points.B, points.C].map(onStage), { angle: found, AB, AC } = measured();
   const radius = Math.min(0.5 * abs(minus(B, A)), 0.5 * abs(minus(C, A)), 0.6 * tilePixels()), start = heading(A, B);
@@ -83,7 +85,7 @@ export function drawMeasure(now) {
   }
   const tall = height(), size = AC / tall;
   write("readings", placed !== present() ? "" : say("measure.readings", { angle: angle(found), AB: tilesText(AB), AC: tilesText(AC) })
-    + (tall ? ` ${say(`measure.height${isSimple() ? "" : "_and_M"}`, { tiles: tilesText(tall), M: fixed(size, 2), times: fixed(size / bare(now), 2) })}` : ""));
+    + (tall ? ` ${say(`measure.height${isSimple() ? "" : "_and_M"}`, { tiles: tilesText(tall), without: tilesText(tall * bare(now)), M: fixed(size, 2), times: fixed(size / bare(now), 2) })}` : ""));
   if (level !== state.level) drawRows();
   drawPlots(now);
 }
@@ -138,7 +140,7 @@ $("write-down").addEventListener("click", () => {
   rows.push(row);
   keep();
   written = placed;
-  $("spoken").textContent = say("measure.written", { n: rows.length, nu: `${row.nu}°`, name: sizeName(), M: tall ? fixed(AC / tall / unit(row), 2) : "" });
+  $("spoken").textContent = lastRow = say("measure.written", { n: rows.length, nu: `${row.nu}°`, name: sizeName(), M: tall ? fixed(AC / tall / unit(row), 2) : "" });
   drawRows();
 });
 on("tell", "click", () => {

@@ -93,7 +93,7 @@ function projection(extent, squeeze, { left: from, width, height }, rem) {
 function scene(now) {
   const { L, E, z1, z2, windows, place, radii, objects, scene } = now, last = windows.at(-1).z;
   const eye = [...E, -z2], object = [...L, last + z1], squeeze = Math.min(1, LONGEST / (z2 + last + z1));
-  const outer = scene.aperture / 2 + scene.rim, frames = windows.flatMap(({ z }) => corners(outer, z));
+  const outer = scene.aperture / 2 + scene.rim, frames = windows.flatMap(({ z }) => [-1, 1].flatMap((way) => corners(outer, z + (way * presets.depth(scene)) / 2)));
   const rays = state.light === "field" ? [] : bundle(now), shown = rays.filter(({ kind }) => state.stray || kind === "designed");
   const image = state.light === "pencil" && !isEmpty() ? meeting(now.glass ? bundle(now, 11) : rays) : null;
   const near = image && image[2] > -1.6 * z2 - 1 && image[2] < last + 2 * z1 + 4 && Math.hypot(image[0], image[1]) < 6 ? image : null;

@@ -19,6 +19,7 @@ const TOURS = data.tours;
 export const tour = {
   which: 0, step: -1, paused: false,
   asked: false,  // whether someone has started it
+  byHand: false, // whether someone goes from step to step: then each step waits at its end
   passed: 0,     // seconds of this step
   before: null,  // what the page showed
   intro: false,  // whether this is not yet the first step
@@ -35,7 +36,7 @@ export const tour = {
     this.before ??= { state: { ...state }, measuring: session.measuring };
     session.measuring = false;
     rewriteQuestion();  // a prediction that has been made comes back with its question
-    Object.assign(this, { asked, which, paused: reducedMotion.matches });
+    Object.assign(this, { asked, which, byHand: false, paused: reducedMotion.matches });
     this.go(step, intro);
   },
 
@@ -74,7 +75,7 @@ export const tour = {
       if (!this.paused) {
         if (!view.behind) this.passed += Math.min(0.5, Math.max(0, (time - last) / 1000));
         if (this.passed < this.now.seconds) this.show();
-        else if (this.step < this.steps.length - 1) this.next();
+        else if (!this.byHand && this.step < this.steps.length - 1) this.next();
       }
       this.run(time);
     });
@@ -119,7 +120,7 @@ export const tour = {
     if (!on) return;
     $("tour-text").textContent = this.text();
     $("tour-count").textContent = this.intro ? "" : this.place("count");
-    $("tour-pause").textContent = say(this.paused ? "tour.go_on" : "page.pause");
+    $("tour-pause").textContent = say(this.paused || this.byHand ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
     $("tour-back").disabled = this.intro || this.step === 0;
     $("tour-next").textContent = say(this.step === this.steps.length - 1 ? "tour.done" : "asking.next");
@@ -136,10 +137,17 @@ for (const button of document.querySelectorAll("[name=tour]")) button.addEventLi
   $("share-open").click();  // its sheet closes
   begin(Number(button.value));
 });
-$("tour-next").addEventListener("click", () => tour.next());
-$("tour-back").addEventListener("click", () => tour.go(tour.step - 1));
+$("tour-next").addEventListener("click", () => {
+  tour.byHand = true;
+  tour.next();
+});
+$("tour-back").addEventListener("click", () => {
+  tour.byHand = true;
+  tour.go(tour.step - 1);
+});
 on("tour-pause", "click", () => {
-  tour.paused = !tour.paused;
+  tour.paused = !(tour.paused || tour.byHand);
+  tour.byHand = false;
   if (!tour.paused) $("spoken").textContent = say("tour.goes_on");
 });
 $("tour-leave").addEventListener("click", () => tour.leave());

@@ -51,13 +51,15 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
 def fitted(scenes: Sequence[Scene], size: tuple[int, int]) -> list[Scene]:
     """Return the scenes of one movie, or one scene, with their default views for pictures of this size.
 
-    In narrow pictures, these show the first window with a margin beside it, on one scale in all. A room's default view
-    is then as wide as it is high by default. A view that a scene states stays.
+    They show the first window, in narrow pictures with a margin beside it, on one scale in all. In narrow pictures, a
+    room's default view is as wide as it is high by default. A view that a scene states stays.
     """
     shape = size[0] / size[1]
-    preset = [scene.default_view(0.9 * shape) for scene in scenes if isinstance(scene, AxialScene)]
-    view = max(preset, default=0.0)
-    return [scene if shape >= 1 else _seen_as(scene, view, shape) for scene in scenes]
+    shown = min(4 / 3, 0.9 * shape) if shape < 1 else 4 / 3
+    views = {scene.default_view(shown) for scene in scenes if isinstance(scene, AxialScene)}
+    if shape >= 1 and len(views) < 2:
+        return list(scenes)
+    return [_seen_as(scene, max(views, default=0.0), min(shape, 1)) for scene in scenes]
 
 
 def _seen_as(scene: Scene, view: float, shape: float) -> Scene:

@@ -42,7 +42,10 @@ def _passed(scene: EyeAndWindows, rays: Bundle) -> Floats:
     power = np.where((found.end == End.THROUGH)[:, None, None], behind @ matrix, matrix)
     power = np.where((found.end == End.BACK)[:, None, None], before @ matrix, power) @ before.T
     share = (abs(power) ** 2).sum((-1, -2)) / 2
-    return np.where((found.count == 0) & (found.end != End.THROUGH), 1.0, np.nan_to_num(share))
+    # beside the first opening, or on its frame; what has passed an empty window and misses the next one is behind it
+    enters = (found.windows[:, 1:] >= 0).any(1) | (found.windows[:, :1] >= 0).any(1) & (found.end == End.BESIDE)
+    outside = (found.count == 0) & (found.end != End.THROUGH) & ~enters
+    return np.where(outside, 1.0, np.nan_to_num(share))
 
 
 def _axes(angle: float | str) -> Floats:

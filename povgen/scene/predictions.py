@@ -104,6 +104,7 @@ class Predicted(EyeAndWindows):
             nu, M = apparent.nu_and_M(z1, self.elements)
         return alpha / 2 + np.remainder(np.degrees(nu) - alpha / 2 + 180, 360) - 180, M
 
+    @input_errors()
     def image_plane(self, L: ArrayLike, z1: float) -> tuple[float, Complexes]:
         """Return z of the image of points L (n,) at the distance z1, and the points' images in this plane, tiles.
 
@@ -111,7 +112,7 @@ class Predicted(EyeAndWindows):
         infinitely far z is infinite (`apparent.image`).
         """
         windows = [(distance, sheet.thin) for (distance, _), sheet in zip(self.elements, self.sheets, strict=True)]
-        return apparent.image(L, z1, windows)
+        return apparent.image(np.ravel(np.asarray(L, complex)), float(_distances(z1)), windows)
 
     @property
     def has_nu_and_M(self) -> bool:

@@ -62,7 +62,8 @@ def _shares(scene: AxialScene) -> Shares:
     """Return what becomes of rays from the eye to random points of the front opening of the first window's frame."""
     x, y = scene.aperture * (np.random.default_rng(1).uniform(size=(2, RAYS)) - 0.5)
     P = scene.E + (x + 1j * y - scene.E) / (1 - scene.depth / 2 / scene.z2)
-    return shares(scene.trace(scene.camera.through(P)), "black" in _tops(scene))
+    partial = np.random.default_rng(2) if scene.fresnel else None
+    return shares(scene.trace(scene.camera.through(P), partial=partial), "black" in _tops(scene))
 
 
 class TracedImage(NamedTuple):
@@ -120,7 +121,7 @@ class Entering(NamedTuple):
     Both are errors of the slopes of single rays, x + iy, for the focused eye: for small angles these are radians.
     """
 
-    by_pupil: Complexes  # linear in the position in the pupil: defocus and the like
+    by_pupil: Complexes  # linear in the position in the pupil, as defocus is; all of it if there are no prisms
     by_prisms: Complexes  # the remainder, from the finite size of the prisms
 
 
@@ -156,7 +157,8 @@ def entering(scene: AxialScene, rays: int = RAYS) -> Entering:
         return np.asarray((b * places.conj() - a.conjugate() * places) / size)
 
     by_pupil = missed(basis[:, 3:] @ fitted[3:]) + aside * pupil.inverse_focus(scene)
-    return Entering(by_pupil, missed(place - basis @ fitted))
+    rest = missed(place - basis @ fitted)
+    return Entering(by_pupil, rest) if scene.has_prisms else Entering(by_pupil + rest, 0 * rest)
 
 
 @input_errors()
@@ -198,7 +200,12 @@ def _rms_arcmin(slopes: Complexes) -> float:
 
 
 def _spread(scene: AxialScene) -> float:
-    """Return the radius of the disc in the plane z = 0 through which rays to an object are traced, tiles."""
+    """Return the radius of the disc in the plane z = 0 through which rays to an object are traced, tiles.
+
+    It covers several prisms. Without prisms it is so small that no law differs from a linear function of the place.
+    """
+    if not scene.has_prisms:
+        return 1e-4
     pitch = max((layer.shape.pitch for sheet in scene.sheets for layer in sheet.glass), default=0.0)
     return max(0.1, 8 * pitch)
 
@@ -253,7 +260,7 @@ QUANTITIES = {
     "x": Quantity(
         lambda scene: _position(scene).real,
         "tiles",
-        "where the eye sees the object, in the plane z = 0",
+        "where the eye sees the object, in the plane z = 0; in a room in the picture's plane, from its middle",
         stacks=True,
         in_rooms=True,
     ),

@@ -98,7 +98,7 @@ class Sweep(Model):
             raise ValueError(f"ease = {shown(self.ease)}: two words; allowed: one, or with via")
         if self.via is not None and self.via in self.ends:
             raise ValueError(f"via = {_text(self.via)}: equal to start or stop; allowed: any other value")
-        if self.start == self.stop:
+        if self.start == self.stop and self.via is None:
             raise ValueError(f"stop = {_text(self.stop)}: equal to start, nothing would move; allowed: any other value")
         self._check_log()
         return self
@@ -218,7 +218,7 @@ class MovieSpec(Model):
                 if np.size(value) != (count := _numbers(self._fields[name].annotation)):
                     kind = "a number" if count == 1 else "a pair, X,Y (in a TOML file [X, Y])"
                     raise ValueError(f"{name} = {shown(value)}: allowed: {kind}")
-            if len({self._rounded(name, value) for value in sweep.values or sweep.ends}) == 1:
+            if len({self._rounded(name, value) for value in sweep.given}) == 1:
                 raise ValueError(f"{name}: all values equal after rounding, nothing would move; allowed: other values")
         counts = {len(sweep.values) for sweep in self.sweep if sweep.values} | ({self.frames} - {None})
         if len(counts) > 1 and any(sweep.values for sweep in self.sweep):
@@ -338,8 +338,10 @@ class MovieSpec(Model):
                     f"{name} = {shown(self.fixed[name])}: also swept; allowed: one value or a sweep, not both"
                 )
         count = self._frames_there(quality)
-        if count > 3 * MAX_FRAMES:
-            raise InputError(f"quality = {quality!r}: {count} frames; allowed: up to {3 * MAX_FRAMES}")
+        if (every := len(self._order(quality))) > 3 * MAX_FRAMES:
+            raise InputError(
+                f"quality = {quality!r}: {every} frames, with loop and hold; allowed: up to {3 * MAX_FRAMES}"
+            )
         if count < 3 and self._stays_halfway:
             raise InputError(f"quality = {quality!r}: {count} frames, none of them at via; allowed: frames = 3 or more")
         # Both end values are checked before the others. If they are allowed, all values between them are finite.
@@ -349,9 +351,6 @@ class MovieSpec(Model):
         ease: Ease = "both" if self.ease else "none"
         rows = zip(*(sweep.in_frames(count, ease) for sweep in self.sweep), strict=True)
         scenes = [self._scene(dict(zip(names, row, strict=True)), n, count) for n, row in enumerate(rows, 1)]
-        views = [scene.view for scene in scenes if isinstance(scene, AxialScene)]
-        if len({*views}) > 1 and "view" not in {*self.fixed, *names}:
-            scenes = [scene.replace(view=max(views)) for scene in scenes]  # the picture keeps its scale
         return [scenes[n] for n in self._order(quality)]
 
     def texts(self, quality: str) -> list[str]:

@@ -156,17 +156,24 @@ class Plan:
     rendering: Rendering
     output: Path
 
+    @property
+    def shown(self) -> tuple[Rendering, Sequence[str]]:
+        """The rendering and the notes of the frames, with what the film's spec states."""
+        rendering, notes = self.rendering, self.film.notes
+        # a movie with a caption, and numbered pictures, show only what the options ask for
+        is_plain = rendering.caption is not None or bool(sequence(self.output, len(self.film.scenes)))
+        if self.film.drawn and (is_plain or "note" in rendering.model_fields_set):
+            notes = ()
+        if not is_plain:
+            drawn = {name: value for name, value in self.film.drawn.items() if name not in rendering.model_fields_set}
+            rendering = rendering.replace(caption="short", **drawn)
+        return rendering, notes
+
     def make(self, workers: int | None = None, scheduler: str | None = None, progress: bool = True) -> Movie:
         """Render the movie, as `movie` does, and write its files."""
         film, output, target = self.film, self.output, self.output.resolve()
         files = sequence(output, len(film.scenes))
-        rendering, notes = self.rendering, film.notes
-        is_plain = rendering.caption is not None or bool(files)  # it shows only what the options ask for
-        if film.drawn and (is_plain or "note" in rendering.model_fields_set):
-            notes = ()
-        if not is_plain:
-            drawn = {name: value for name, value in film.drawn.items() if name not in rendering.model_fields_set}
-            rendering = rendering.replace(caption="short", **drawn)
+        rendering, notes = self.shown
         record = record_of(film.scenes, rendering, film.title or output.stem, film.rate, notes)
 
         with ExitStack() as opened:

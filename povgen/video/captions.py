@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.inputs.pieces import PIECES
+from povgen.objects.window import Window
 from povgen.optics import equations
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, unit
 from povgen.scene.scene import Scene, is_empty, object_images
@@ -29,6 +30,7 @@ NO_TURN = 1e-6  # degrees: a rounding error
 LEAST_GROWTH = 1.4  # it states the size only if the size changes by more than this factor
 MOST_NAMES = 4  # of points that are not seen
 SET = "pupil", "focus", "polariser", "analyser"  # what a full caption states if it is not the default
+MOST_NUMBERS = 8  # the short caption of a room's movie states its numbers if at most so many change
 MOST_SHEETS = 4  # the caption of a room states its sheets if there are at most so many different ones
 
 Reals = NDArray[np.float64]
@@ -142,21 +144,29 @@ def _moving_parts(scenes: Sequence[Scene]) -> list[list[str]]:
     common = set.intersection(*({*type(scene).model_fields} for scene in scenes))
     for scene, row in zip(scenes, rows, strict=True):
         for part, model in {"": scene, **scene.parts}.items():
-            row |= {(part, name): x for name, x in model if type(x) in (int, float) and (part or name in common)}
+            unused = (
+                PARAMETERS.keys() - {each.name for each in model.optics.parameters}
+                if isinstance(model, Window)
+                else set()
+            )
+            numbers = {name: x for name, x in model if type(x) in (int, float) and name not in unused}
+            row |= {(part, name): x for name, x in numbers.items() if part or name in common}
             about |= {(part, name): field.description or "" for name, field in type(model).model_fields.items()}
     found: list[list[str]] = []
     for part, name in dict.fromkeys(key for row in rows for key in row):
         values = [row.get((part, name)) for row in rows]
-        if len({*values}) > 1:
+        if len({*values}) > 1 and not (part and None in values):  # what some frames lack is left out
             text = about[part, name]
             unit = _unit(name) or ("°" if "degrees" in text else " tiles" if "tiles" in text else "")
             digits = _digits([(x,) for x in values if x is not None], unit.startswith("°"))
             texts = [
-                f"{x:z.{digits}f}{unit}" if x is not None else "none" if part else _word(scene, name)
+                f"{x:z.{digits}f}{unit}" if x is not None else _word(scene, name)
                 for scene, x in zip(scenes, values, strict=True)
             ]
             called = f"{part}: {SYMBOLS.get(name, name.replace('_', ' '))}".removeprefix(": ")
             found.append([f"{called} = {text}" for text in texts])
+    if len(found) > MOST_NUMBERS:
+        return [[f"{len(found)} numbers change"]] * len(scenes)
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
 
 

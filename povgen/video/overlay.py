@@ -164,9 +164,14 @@ def _broken(item: Item, most: float, size: float) -> list[Item]:
         return [item]
     every = [_wrapped(item.widest, share * width, size) for share in np.linspace(1, 0.4, 25)]
     lines = [each for each in every if len(each) == len(every[0])][-1]
-    words = iter(_words(item.text))
-    texts = [" ".join(islice(words, len(line))) for line in lines]
-    texts[-1] = " ".join(filter(None, [texts[-1], *words]))
+    if len(_words(item.text)) == len(_words(item.widest)):
+        words = iter(_words(item.text))
+        texts = [" ".join(islice(words, len(line))) for line in lines]
+        texts[-1] = " ".join(filter(None, [texts[-1], *words]))
+    else:  # another note
+        texts = [" ".join(line) for line in _wrapped(item.text, width, size)]
+        texts[len(lines) - 1 :] = [" ".join(texts[len(lines) - 1 :])]
+        texts += [""] * (len(lines) - len(texts))
     colours = [item.colour, *[None] * (len(lines) - 1)]
     return [Item(text, " ".join(line), colour) for text, line, colour in zip(texts, lines, colours, strict=True)]
 

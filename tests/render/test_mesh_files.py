@@ -282,6 +282,8 @@ def test_faces_of_any_outline():
     random = np.random.default_rng(1)
     square = np.array([0, 4, 4 + 4j, 4j, 0, 1 + 1j, 1 + 3j, 3 + 3j, 3 + 1j, 1 + 1j])
     outlines = [square, square[::-1]]
+    wall = np.array([0, *(2 * k + step for k in range(6) for step in (1j, 2j, 1 + 2j, 1 + 1j)), 11])
+    outlines += [np.round(wall * np.exp(1j * turn), 6) for turn in random.uniform(0, 6, 100)]  # corners in one line
     for n in range(5, 40):
         outlines.append(random.uniform(0.2, 1, n) * np.exp(2j * np.pi * np.arange(n) / n))
     for outline in outlines:

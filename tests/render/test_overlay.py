@@ -12,7 +12,7 @@ from povgen.rendering.views import views
 from povgen.scene.model import VIEW
 from povgen.settings import Rendering
 from povgen.video import captions, encode, overlay, side, still
-from povgen.video.text import STRIP, TEXT, _font, text_width
+from povgen.video.text import STRIP, TEXT, _font, _runs, text_width
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
 
@@ -192,6 +192,21 @@ EXTREMES = [
     Spheres(alpha=-179.9, z1=[0.3, 6, 5000], z2=6.00001),
     Spheres(sheet="single"),
 ]
+
+
+def test_each_note_of_a_movie_is_broken_by_its_own_words():
+    notes = "As z2 is far more than z1, the knight is nearly upright", "Neighbouring prisms displace light"
+    widest = max(notes, key=text_width)
+    lines = [[item.text for item in overlay._broken(overlay.Item(note, widest, None), 13, 16)] for note in notes]
+    assert len(lines[0]) == len(lines[1]) > 1
+    for note, broken in zip(notes, lines, strict=True):
+        assert " ".join(filter(None, broken)) == note
+        assert max(map(text_width, broken)) <= 13.1
+
+
+def test_only_single_letters_are_symbols():
+    runs = _runs("König für l’eau z₁ f₁/f₂, M, P’s α")
+    assert [part for part, font in runs if font == "symbol"] == ["z", "f", "f", "M", "P", "α"]
 
 
 @pytest.mark.parametrize("size", [(320, 240), (240, 320)])

@@ -42,6 +42,19 @@ def pixels(path):
         return np.asarray(image)
 
 
+@pytest.mark.parametrize("change", [["--aperture", "6"], ["--size", "48x64"], ["--prisms", "10"]], ids=str)
+def test_what_follows_from_a_changed_value_is_not_the_records(change, tmp_path):
+    scene = ["frame", "chess", "--size", "64x48", "--renderer", "gl", "--antialias", "off"]
+    for options in ([*scene, "-o", "a.png"], ["frame", "--from", "a.png", *change, "-o", "b.png"]):
+        assert povgen(options, tmp_path)[0] == 0
+    assert povgen([*scene, *change, "-o", "c.png"], tmp_path)[0] == 0
+    views = [Scene.from_file(tmp_path / file).view for file in ("a.png", "b.png", "c.png")]
+    assert views[0] != views[1] == views[2]
+    assert povgen([*scene, "--view", "3", "-o", "a.png"], tmp_path)[0] == 0
+    assert povgen(["frame", "--from", "a.png", *change, "-o", "b.png"], tmp_path)[0] == 0
+    assert Scene.from_file(tmp_path / "b.png").view == 3  # it was stated
+
+
 @pytest.mark.parametrize("kind", some([*PICTURES], 3))
 def test_a_picture_is_made_again(kind, tmp_path, monkeypatch):
     scene, options = PICTURES[kind]

@@ -84,6 +84,13 @@ def test_a_point_is_seen_beside_and_through_a_window():
     assert [each.windows for each in room.images((0.1, 0.1, -2))] == [()]  # before the windows
 
 
+def test_a_path_may_have_as_many_windows_as_a_room():
+    room = Room([Window(z=z, alpha=5) for z in range(20)], eye=Eye(z=-6))
+    (image,) = room.images((0.2, 0.1, 22))
+    found = room.trace(room.camera.through(image.position))
+    assert len(image.windows) == 20 and abs(found.at(22) - (0.2 + 0.1j)) < 1e-8
+
+
 @pytest.mark.parametrize("scene", [Chess(sheet="ideal"), Room([Window(frame=False, alpha=66)]), Chess(sheet="none")])
 @pytest.mark.parametrize("point", [(0, 0, 0), (0.3, 0, 0), (-0.2, 0.1, 1e-15)])
 def test_a_point_on_a_sheet_is_seen_there(scene, point):

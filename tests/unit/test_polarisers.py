@@ -48,6 +48,12 @@ def test_two_analysers_share_all_light_and_what_is_beside_the_window_stays():
 def test_without_glass_it_is_malus_law():
     scene = Chess(sheet="none", polariser=20, analyser=80, eye=(0, 0))
     assert passed(scene, (65, 65))[32, 32] == pytest.approx(np.cos(np.radians(60)) ** 2 / 2)
+    # the analyser fills the first opening, also where light misses a window behind it
+    far = Chess(sheet="none", window="sheet=none,z=6", z1=3, analyser=0)
+    found = far.trace(far.rays((48, 36)))
+    missed = (found.end == End.BESIDE) & (found.windows[..., 0] == 0)
+    assert missed.sum() > 50 and np.median(passed(far, (48, 36))[missed.reshape(36, 48)]) == pytest.approx(0.5)
+    assert passed(far, (48, 36))[0, 0] == 1
 
 
 @pytest.mark.parametrize(

@@ -90,6 +90,13 @@ def test_what_the_ray_trace_finds():
     assert 0.5 < table["spot"][0] / ideal["spot"][0] < 1  # the designed path has smaller angles
     black = results([scene.replace(tops="black")], "stray", progress=False)
     assert black["stray"][0] < 0.5 * table["stray"][0]
+    table = results(scene, "designed", fresnel=(False, True), progress=False)
+    assert 0.7 < table["designed"][1] / table["designed"][0] < 0.9  # partial reflections at the faces of two prisms
+    twist = Chess(sheet="twist", twist=300, alpha=0, z1=20)  # its law is not linear: nothing is blurred by that
+    for values in ({}, {"pupil": [0.1]}):
+        names = "x", "seen_x", "y", "seen_y", "prism_blur"
+        x, seen_x, y, seen_y, blur = (results(twist, *names, **values, progress=False)[name][0] for name in names)
+        assert [seen_x, seen_y, blur] == pytest.approx([x, y, 0], abs=1e-3)
     dark = Chess(sheet="law", law="x, y, -z")
     assert np.isnan(results([dark], "closest", progress=False)["closest"][0])
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from povgen import Chess
 from povgen.objects.box import Box
 from povgen.objects.floor import Floor
 from povgen.objects.pedestal import Pedestal
@@ -63,7 +62,11 @@ def test_a_movies_caption_says_what_changes():
         ["left: α = 10.0°", "piece1: yaw = 200°", "eye: x = 0.00 tiles", "eye: view = 4.00 tiles"],
         ["left: α = 12.5°", "piece1: yaw = 250°", "eye: x = 0.25 tiles", "eye: view = 4.25 tiles"],
     ]
-    assert said(Room([SPHERE]), Chess(), caption="short")[1][0] == "ball: x = none"
+    assert said(Room([SPHERE]), Room([SPHERE.replace(x=1), Window(z=-1)]), caption="short")[1] == [
+        "ball: x = 1.0 tiles"
+    ]
+    many = [Room([Sphere(x=i + k / 10, z=3, radius=0.2) for i in range(20)]) for k in (0, 1)]
+    assert said(*many, caption="short") == [["20 numbers change"]] * 2
     for values, lines in {
         ("pupil", 0.0, 0.4): ["pupil = 0.00 tiles", "pupil = 0.40 tiles"],
         ("focus", 3, "best"): ["focus = 3 tiles", "focus = best"],

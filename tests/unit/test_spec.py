@@ -7,6 +7,7 @@ import pytest
 from conftest import ALPHA_MOVIE, picture
 
 from povgen import Chess, InputError, MovieSpec
+from povgen.rendering.views import fitted
 from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, Sweep, swept_numbers
 from povgen.settings import QUALITIES
@@ -300,7 +301,7 @@ def test_a_title_has_up_to_200_characters():
 
 def test_too_many_frames_at_a_quality():
     slow = MovieSpec.of_sweeps("chess", ["alpha=0:180"], {"frames": 10000, "frame_rate": 0.1})
-    with pytest.raises(InputError, match="quality = 'hd': 2999701 frames; allowed: up to 30000"):
+    with pytest.raises(InputError, match="quality = 'hd': 2999701 frames, with loop and hold; allowed: up to 30000"):
         slow.scenes("hd")
 
 
@@ -317,5 +318,12 @@ def test_the_ends_of_a_range_are_exact():
 def test_a_movie_keeps_its_scale():
     """Its view is the largest that a frame needs, unless it is given."""
     spec = MovieSpec.of_sweeps("chess", ["prisms=10:100"], {"frames": 3})
-    assert {scene.view for scene in spec.scenes("standard")} == {Chess(prisms=10).view}
-    assert {scene.view for scene in spec.with_fixed({"view": 3}).scenes("standard")} == {3}
+    for size, scene in (((64, 48), Chess(prisms=10)), ((48, 64), *fitted([Chess(prisms=10)], (48, 64)))):
+        assert {each.view for each in fitted(spec.scenes("standard"), size)} == {scene.view}
+    assert {each.view for each in fitted(spec.with_fixed({"view": 3}).scenes("standard"), (48, 64))} == {3}
+
+
+def test_there_and_back_in_one_sweep():
+    way = Sweep(parameter="alpha", start=0, via=90, stop=0)
+    movie = MovieSpec(title="a", scene="chess", sweep=[way], frames=3, hold=0)
+    assert [scene.alpha for scene in movie.scenes("standard")] == [0, 90, 0]

@@ -10,7 +10,7 @@ from povgen.cli.command import Command, fields
 from povgen.cli.report import warn_unused
 from povgen.files import checked_output
 from povgen.liveview.view import live
-from povgen.progress import wrote
+from povgen.progress import say, wrote
 from povgen.record import check_unasked
 
 
@@ -27,6 +27,8 @@ def command(scene: str, output: Path | None, quiet: bool, **values: Any) -> None
     view = live(made)
     if not quiet:
         warn_unused(options.stated(made, values), [made])
+        for outline in made.outlines:
+            say(f"povgen: warning: {outline} = true: no effect in the live view")
     view.save(file)
     if not quiet:
         wrote(file)

@@ -95,14 +95,15 @@ def command(
         sheet, choice = automatic.choose(made.scenes, {**of_movie(chosen), "bits": rendering.bits}, quiet, scheduler)
         made, rendering = film_with({**values, **sheet}, rendering.quality), rendering.replace(**choice)
     made = made.fitted(rendering.size)
-    scenes, sampled = _shard(made.scenes, rendering, part)
+    plan = Plan(made, rendering, file)
+    scenes, sampled = _shard(made.scenes, rendering if part else plan.shown[0], part)
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
     used = dict.fromkeys(made.swept) | values if automatic is None else {}
     if not options.ready(scenes, sampled, used, dry_run, quiet):
         return
     if part is not None:
         return _render_shard(part, scenes, sampled, count, quiet)
-    Plan(made, rendering, file).make(count, scheduler, not quiet)
+    plan.make(count, scheduler, not quiet)
     if not quiet:
         wrote(file, len(sequence(file, len(made.scenes))))
 

@@ -1,5 +1,6 @@
 """The command povgen pov."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,10 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
             output, [".inc" if part else ".pov"], inputs=[*input_files([made]), *options.scene_files(scene)]
         )
     name = "scene.pov" if output is None else output.name
-    rays = f"{Path(name).stem}-rays-"
+    stem = Path(name).stem
+    if not re.fullmatch(r"[\w .-]+", stem, re.ASCII):  # POV-Ray reads no other name of a file in a scene
+        stem = "scene"
+    rays = f"{stem}-rays-"
     text = to_sheets(made) if part else to_pov(made, file=name, rays=rays, **sampling)
     warn(options.stated(made, values), [made])
     for lost in _left_out(made):
@@ -56,7 +60,7 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     else:
         tables = made.ray_tables(Sampling(**sampling).size) if isinstance(made, Room) else ()
         files = {output.parent / f"{rays}{number}.inc": table for number, table in enumerate(tables)}
-        check_unasked(files, output)
+        check_unasked(files)
         for file, png in used(text).items():
             save(png, output.parent / file)
         for path, table in files.items():

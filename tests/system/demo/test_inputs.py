@@ -202,6 +202,29 @@ def test_the_diagram_can_be_dragged_and_turned(page):
     expect(page.locator("#eye-diagram")).to_be_hidden()
 
 
+@pytest.mark.parametrize("alpha", [0, 90])
+@pytest.mark.parametrize("height", [1.2, -0.7])
+def test_the_whole_piece_and_its_pedestal_can_be_dragged(page, alpha, height):
+    """Also where its outline has a gap, and by a finger in every direction: there the page does not scroll."""
+    show(page, alpha=alpha, z1=6)
+    point = f"""() => {{
+      const now = moment(), at = apparentPosition({{ ...now, L: plus(now.L, [0.15, {height}]) }});
+      const [x, y] = onStage(at), box = stage.getBoundingClientRect();
+      return [box.left + box.width / 2 + x, box.top + box.height / 2 + y];
+    }}"""
+    x, y = page.evaluate(point)
+    before = page.evaluate("[...state.L, ...state.E]")
+    assert page.evaluate("([x, y]) => getComputedStyle(document.elementFromPoint(x, y)).touchAction", [x, y]) == (
+        "pinch-zoom"
+    )
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 12)
+    page.mouse.up()
+    after = page.evaluate("[...state.L, ...state.E]")
+    assert after[:2] != before[:2] and after[2:] == before[2:]
+
+
 def test_a_swipe_that_scrolls_the_page_moves_nothing(page):
     places = page.evaluate(
         """() => [stage, $("space-turn")].map((part) => {
