@@ -82,7 +82,7 @@ FAULTS = """() => {
     const size = parseFloat(getComputedStyle(text.parentElement).fontSize);
     if (text.data.trim() && text.parentElement.checkVisibility() && size < 12) faults.push(`${size} px: ${text.data}`);
   }
-  for (const part of document.querySelectorAll("body *:not(svg, svg *, input, select, option)")) {
+  for (const part of document.querySelectorAll("body *:not(svg, svg *, input, select, option, .handle)")) {
     const { clientWidth, scrollWidth } = part;
     if (!part.checkVisibility() || !clientWidth || scrollWidth <= clientWidth + 1) continue;
     const tooWide = `${scrollWidth - clientWidth} px too wide: ${part.outerHTML.slice(0, 80)}`;

@@ -131,7 +131,9 @@ def test_beginners_have_one_size(measure):
     """It is compared with the size without sheets, also in the table and the curve. The table keeps M."""
     show(measure, alpha=180, z1=2, level="simple")
     write_down(measure, put=True)
-    expect(measure.locator("#readings")).to_contain_text("It appears 2.00 times as large as without the sheets.")
+    expect(measure.locator("#readings")).to_contain_text(
+        "AC would be 1.14 tiles. The piece appears 2.00 times as large."
+    )
     expect(measure.locator("#spoken")).to_have_text("Row 1: ν = 0.0°, size = 2.00")
     expect(measure.locator("#plot-M")).to_have_accessible_name(re.compile("^size over α. By .* size is now 2.00."))
     field = measure.get_by_label("size in row 1")
@@ -145,7 +147,7 @@ def test_beginners_have_one_size(measure):
     expect(measure.locator("#readings")).to_contain_text("= 1.50, compared with the size in the window.")
     show(measure, alpha=90, z1=6, level="simple")
     write_down(measure, put=True)
-    expect(measure.locator("#readings")).to_contain_text("It appears 1.41 times as large")
+    expect(measure.locator("#readings")).to_contain_text("The piece appears 1.41 times as large")
     expect(measure.get_by_label("size in row 2")).to_have_value("1.41")  # not twice the rounded M
     assert measure.evaluate("csv()").split("\r\n")[1:] == ["ideal,,180,2,6,0,1.2,1.6", "ideal,,90,6,6,45,0.71,1.41"]
 
