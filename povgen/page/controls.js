@@ -349,7 +349,7 @@ const KEYS = {
   f: () => document.fullscreenEnabled && $("full-screen").click(),
   q: () => openQuestion(state.question < 0 ? session.lastQuestion : -1),
 };
-for (const [key, id] of Object.entries({ " ": "play", o: "show-position", c: "show-circles", i: "show-image" })) KEYS[key] = () => $(id).click();
+for (const [key, id] of Object.entries({ " ": "play", o: "show-position", c: "show-circles", i: "show-image", l: "show-large" })) KEYS[key] = () => $(id).click();
 for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.presets[n]);
 
 // Whether the focused control needs a key itself.

@@ -166,13 +166,14 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
     """Return the modulation transfer function for light of the scene's first object: 1 if sharp, 0 without contrast.
 
     `frequencies` are in cycles per degree as the eye sees them, of stripes that are perpendicular to `direction`,
-    degrees counter-clockwise from x. The pupil and the prisms count; the diffraction of light does not. If all ideal
-    sheets have ray-transfer matrices, and the window hides no light, it is abs(2 J1(x) / x) of a disc: for sheets that
-    rotate light, x = pi * pupil * abs(1/f - 1/Z) * the frequency in cycles per radian (`povgen.scene.pupil`). Where x
-    exceeds MOST_X, and the function is below 6e-5, it is 0. Otherwise it is the mean of MTF_RAYS traced rays, of which
-    n take the designed path: its standard error is below 1 / sqrt(n), mostly 0.005. NaN if too little light on the
-    designed path shows the object. Raises InputError for other scenes than Chess and Spheres, for frequencies that are
-    negative or not finite, and for a direction that is not one finite number.
+    degrees counter-clockwise from x. Field angles are small: slopes count as radians. The pupil and the prisms count;
+    the diffraction of light does not. If all ideal sheets have ray-transfer matrices, and the window hides no light, it
+    is abs(2 J1(x) / x) of a disc: for sheets that rotate light, x = pi * pupil * abs(1/f - 1/Z) * the frequency in
+    cycles per radian (`povgen.scene.pupil`). Where x exceeds MOST_X, and the function is below 6e-5, it is 0. Otherwise
+    it is the mean of MTF_RAYS traced rays, of which n take the designed path: its standard error is below 1 / sqrt(n),
+    mostly 0.005. NaN if too little light on the designed path shows the object. Raises InputError for other scenes than
+    Chess and Spheres, for frequencies that are negative or not finite, and for a direction that is not one finite
+    number.
     """
     scene, along = checked_axial(scene, "mtf"), np.radians(real("direction", direction))
     with np.errstate(over="ignore"):

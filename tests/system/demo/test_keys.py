@@ -11,6 +11,7 @@ def test_keys_and_their_off_switch(page):
     for key, test in (
         ("p", "state.sheet === 'detailed'"), ("p", "state.sheet === 'ideal'"), ("o", "state.position"),
         ("c", "state.circles"), ("i", "state.image"), ("q", "state.question === 0"), ("q", "state.question === -1"),
+        ("l", "state.large"), ("l", "!state.large"),
         (" ", "player.playing"),
         (" ", "!player.playing"),
     ):  # fmt: skip
