@@ -101,7 +101,7 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
         del options["size"]
     if "quality" in values or "sheet" in values:  # they decide it
         del options["antialias"]
-    scenes = [_without_default_view(scene, record.rendering.size) for scene in scenes]
+    scenes = _without_default_views(scenes, record.rendering.size)
     if not quiet and values.get("renderer", record.rendering.renderer) == record.rendering.renderer:
         here = __version__, drawn_by(record.rendering.renderer)
         if record.renderer and here != (record.povgen, record.renderer):
@@ -110,13 +110,17 @@ def again(source: Path, output: Path | None, values: Values, quiet: bool) -> "tu
     return record, scenes, {**options, **values}
 
 
-def _without_default_view(scene: Scene, size: tuple[int, int]) -> Scene:
-    """Return the scene of a record without its view, if this is the default for pictures of this size."""
+def _without_default_views(scenes: list[Scene], size: tuple[int, int]) -> list[Scene]:
+    """Return the scenes of a record without their views, if these are the defaults for pictures of this size."""
+    plain = [_without_view(scene) for scene in scenes]
+    alike = (a.camera.height == b.camera.height for a, b in zip(fitted(plain, size), scenes, strict=True))
+    return plain if all(alike) else scenes
+
+
+def _without_view(scene: Scene) -> Scene:
     if not isinstance(scene, AxialScene):
         return scene
-    values = {name: value for name, value in scene if name in scene.model_fields_set - {"view"}}
-    other = type(scene)(**values)
-    return other if fitted([other], size)[0].camera.height == scene.view else scene
+    return type(scene)(**{name: getattr(scene, name) for name in scene.model_fields_set - {"view"}})
 
 
 def split(values: Values) -> tuple[Values, Values]:

@@ -8,7 +8,7 @@ from pathlib import Path
 TEXT, BOLD, SYMBOLS = (Path(__file__).with_name(name) for name in ("NotoSans.ttf", "NotoSans-Bold.ttf", "Symbols.otf"))
 
 # the characters that TEXT and BOLD have, in a regular expression
-LETTERS = " -~\u00a1-\u00ff\u0152\u0153\u0391-\u03a1\u03a3-\u03c9–—‘’‚‛“”„…′₀-₉"
+LETTERS = " -~\u00a1-\u00ff\u0152\u0153\u0391-\u03a1\u03a3-\u03c9–—‘’‚‛“”„…′⁰ⁱ⁴-ⁿ₀-₎−"
 
 
 def encoded() -> dict[str, str]:

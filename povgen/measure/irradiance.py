@@ -76,8 +76,9 @@ def irradiance(
     `count` rays are traced to random points of the windows; `seed` is that of the random numbers. Light that no window
     meets first is left out, and objects neither stop light nor shine. Light that passes one window of a preset and
     misses the next one is lost; in a room it goes on. With the scene's `fresnel`, partial reflections count. Raises
-    InputError for numbers that are not allowed, for a scene without windows or with polarisers, for a screen between
-    windows, and, in a preset with several windows, for a source whose z is between those of the first and the last.
+    InputError for numbers that are not allowed, for a scene without windows, with polarisers or with black tops in some
+    windows only, for a screen between windows, and, in a preset with several windows, for a source whose z is between
+    those of the first and the last.
     """
     scene, rng = checked_scene(scene), np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count, (width, height) = checked_count("count", count, MOST), PictureSize(size=size).size

@@ -80,7 +80,7 @@ Finish finish_board(vec3 p, vec4 n, vec3 colour) {
         return (-x, -y, 0), (x, y, THICKNESS)
 
 
-LARGEST = 8192  # pixels: the side of a picture that every graphics library takes
+LARGEST = 8192  # pixels: the side of a picture that graphics libraries take
 
 
 @lru_cache(maxsize=4)  # a movie's frames have the same pictures
@@ -89,7 +89,7 @@ def stacked(several: tuple[Picture, ...]) -> File:
     images: list[Image] = [open_image(BytesIO(each.file.content), formats=["PNG"]) for each in several]
     high, wide = sum(image.height for image in images), max(image.width for image in images)
     if (scale := LARGEST / max(high, wide)) < 1:
-        sizes = [[max(1, round(scale * side)) for side in image.size] for image in images]
+        sizes = [[max(1, int(scale * side)) for side in image.size] for image in images]
         images = [image.resize(size) for image, size in zip(images, sizes, strict=True)]
     whole = new("RGB", (max(image.width for image in images), sum(image.height for image in images)))
     top = 0

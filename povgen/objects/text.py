@@ -23,7 +23,7 @@ class Text(Board):
     title = "text"
 
     text: Annotated[str, Field(pattern=f"^[{fonts.LETTERS}]{{1,60}}$")] = Field(
-        default="R", description="the text, up to 60 characters, Latin or Greek letters"
+        default="R", description="the text, up to 60 characters: A to ÿ, Œ, œ, Greek without accents, signs"
     )
     height: Length = Field(default=0.6, description="height of the board, 0.01 to 1000 tiles; its width follows")
     color: Colour = Field(default="#20242a", description="colour of the letters: a name, or a code such as #c87529")

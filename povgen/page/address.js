@@ -3,7 +3,7 @@
 import { hasPiece } from "../liveview/presets.js";
 import { pick } from "./data.js";
 import { choose, LANGUAGES, say, spoken } from "./language.js";
-import { end, isRevealed, MOST_CHOICES, ownQuestions, QUESTIONS, setOwn } from "./questions.js";
+import { end, isRevealed, MOST_CHOICES, ownQuestions, QUESTIONS, rememberQuestion, setOwn } from "./questions.js";
 import { scrambled, unscrambled } from "./scramble.js";
 import { CAMERAS, change, CHOICES, inSeries, LOOKER, OPENING, partsShown, RANGES, session, START, state, SWITCHES } from "./state.js";
 
@@ -60,7 +60,7 @@ export function fromHash(hash) {
   if (QUESTIONS[question]) {
     const { before, goal, match } = QUESTIONS[question], revealed = isRevealed(question);
     values = revealed || goal || match ? { ...(revealed ? end(QUESTIONS[question]) : before), ...values, question } : { ...values, ...before, question };
-    session.lastQuestion = question;
+    rememberQuestion(question);
   }
   Object.assign(state, OPENING, START[values.scene ?? "chess"]);
   change(values);

@@ -3,11 +3,11 @@
 import { hasPiece } from "../liveview/presets.js";
 import { coded, fromHash, ownQuestion, settings } from "./address.js";
 import { $, element, on, pick, refresh, write } from "./data.js";
-import { inTab, keep, saveTable, work } from "./kept.js";
+import { keep, saveTable, work } from "./kept.js";
 import { entry, percent, printed, say, typedNumber, unbroken } from "./language.js";
 import { compared, dashedOutline, matching, misfit, numbersOf } from "./overlay.js";
 import { player, reducedMotion } from "./player.js";
-import { ask, choices, end, fillsWindow, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, why, worked } from "./questions.js";
+import { ask, choices, end, fillsWindow, isAsked, isRevealed, isRight, MOST_CHOICES, nameOf, ownQuestions, prediction, QUESTIONS, reason, rememberQuestion, why, worked } from "./questions.js";
 import { change, LOOKER, OPENING, session, state, SWITCHES, WHOLE } from "./state.js";
 
 // Open a question. -1 goes back to what has been explored.
@@ -19,8 +19,7 @@ export function openQuestion(n) {
   if (state.question < 0) session.explored = { ...state };
   session.replaced = null;
   if (n >= 0) {
-    session.lastQuestion = n;
-    inTab("question", QUESTIONS[n].name ?? "");
+    rememberQuestion(n);
     showQuestion(n);
   } else {
     change({ ...session.explored, ...pick(state, ...LOOKER), question: -1 });

@@ -21,7 +21,7 @@ const pointerAt = (event, box) => [event.clientX - box.left - box.width / 2, eve
 // What a pointer takes hold of in the picture: the object's image, or else the eye.
 function underPointer(event, at, now) {
   const handle = event.target.closest(".handle");
-  if (state.light === "aim" && !handle && !outside(placeAt(at), now.scene)) change({ W: placeAt(at) });
+  if (state.light === "aim" && handle?.dataset.moves !== "W" && !outside(placeAt(at), now.scene)) change({ W: placeAt(at) });
   if (state.light === "aim" && (handle?.dataset.moves === "W" || !outside(placeAt(at), now.scene))) return "W";
   if (handle && (state.position || handle.dataset.moves === "L")) return handle.dataset.moves;  // otherwise the eye's is not seen
   if (!hasPiece(state.scene)) {
@@ -138,9 +138,10 @@ export function placeHandles(now) {
   };
   const inPicture = { eye: now.E, object: finite(now.place) ? now.place : [0, 0], aim: state.W }, inDiagram = { eye: [1, 0], object: [0, 0] };
   for (const [name, place] of Object.entries(inPicture)) put(`${name}-picture`, onStage(place), stage);
-  const { nu, turned = nu, M } = now, tile = finite(now.place) ? Math.min(M * tilePixels(), 0.4 * stage.clientHeight) : 0, picture = $("object-picture").style;
-  picture.transform += ` rotate(${-(turned || 0)}rad)`;
-  picture.setProperty("--tile", `${hasPiece(state.scene) ? tile : 0}px`);
+  // the piece, where it is in the window; one sheet shows what is far upside down
+  const { nu, turned = nu, M, z1, z2 } = now, isSeen = hasPiece(state.scene) && finite(now.place) && !outside(now.place, now.scene), picture = $("object-picture").style;
+  picture.transform += ` rotate(${state.sheet === "single" && z1 > z2 ? Math.PI : -(turned || 0)}rad)`;
+  picture.setProperty("--tile", `${isSeen ? Math.min(M * tilePixels(), 0.4 * stage.clientHeight) : 0}px`);
   picture.setProperty("--pedestal", state.L[1] - FLOOR);
   $("aim-picture").hidden = state.light !== "aim";
   for (const [name, place] of Object.entries(inDiagram)) {

@@ -43,7 +43,6 @@ let level = "";  // of the rows that are shown
 let shown = false;
 let placed = "";    // the settings for which the points were placed
 let written = "";   // the settings of the last row, until a point is moved
-let lastRow = "";   // what it says
 let told = "";      // the settings whose answer is shown
 const present = () => JSON.stringify(pick(state, "scene", ...SETTINGS));
 export const pointsAsked = () => (shown && placed !== present() ? [say("measure.move_first")] : []);
@@ -65,7 +64,7 @@ export function drawMeasure(now) {
   }
   $("write-down").setAttribute("aria-disabled", !isNew());  // not `disabled`: it keeps the focus
   $("move-first").style.visibility = isNew() ? "hidden" : "";  // it keeps its room, so that the buttons stay where they are
-  write("move-first", written && written === placed ? lastRow : say("measure.move_first"));
+  write("move-first", rows.length && written && written === placed && placed === present() ? lastRow() : say("measure.move_first"));
   $("tell").setAttribute("aria-pressed", session.answered);
   const [A, B, C] = [points.A, points.B, points.C].map(onStage), { angle: found, AB, AC } = measured();
   const radius = Math.min(0.5 * abs(minus(B, A)), 0.5 * abs(minus(C, A)), 0.6 * tilePixels()), start = heading(A, B);
@@ -140,7 +139,7 @@ $("write-down").addEventListener("click", () => {
   rows.push(row);
   keep();
   written = placed;
-  $("spoken").textContent = lastRow = say("measure.written", { n: rows.length, nu: `${row.nu}°`, name: sizeName(), M: tall ? fixed(AC / tall / unit(row), 2) : "" });
+  $("spoken").textContent = lastRow();
   drawRows();
 });
 on("tell", "click", () => {
@@ -153,6 +152,12 @@ on("put-on", "click", () => {
   lay(now, minus(apparentPosition(now, plus(now.L, [0, tall])), now.place));
   placeAnew();
 });
+
+// What the last row says.
+function lastRow() {
+  const row = rows.at(-1), M = read(row.M) / unit(row);
+  return say("measure.written", { n: rows.length, nu: `${row.nu}°`, name: sizeName(), M: Number.isFinite(M) ? fixed(M, 2) : "" });
+}
 
 export function drawRows() {
   level = state.level;
@@ -169,6 +174,7 @@ export function drawRows() {
     };
     const remove = element("button", { type: "button", className: "what", ariaLabel: say("measure.remove", { n: n + 1 }), onclick: () => {
       rows.splice(n, 1);
+      written = "";
       keep();
       drawRows();
       $("write-down").focus({ preventScroll: true });

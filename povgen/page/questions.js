@@ -5,12 +5,12 @@ import { fieldOf, imageDepth } from "./apparent.js";
 import { minus, plus } from "./complex.js";
 import { data, pick } from "./data.js";
 import { mirrored } from "./equations.js";
-import { work } from "./kept.js";
+import { inTab, work } from "./kept.js";
 import { brief, briefly, entry, fixed, forms, say, SYMBOL, typedNumber } from "./language.js";
 import { apparentPosition, moment } from "./moment.js";
 import { bare, turnedBy } from "./phrases.js";
 import { checksum } from "./scramble.js";
-import { OPENING, START, state } from "./state.js";
+import { OPENING, session, START, state } from "./state.js";
 
 // What a question can ask for, beside the settings (povgen/page/items.py): angles are in degrees.
 export const QUANTITIES = {
@@ -83,6 +83,13 @@ export const QUESTIONS = data.questions.map(questionOf);
 // The choices are shown in the order of the alphabet.
 const COUNT = QUESTIONS.length;
 export const MOST_CHOICES = 20;
+
+// The question that comes first when the questions are opened again, also after the page was loaded again.
+export function rememberQuestion(n) {
+  session.lastQuestion = n;
+  inTab("question", QUESTIONS[n].name);
+}
+
 export const nameOf = ({ ask, choices }) => `own-${checksum([ask, ...choices].join("\n")).toString(36)}`;
 const ownOf = (question) => {
   const { choices } = question.own, shown = [...choices].sort((a, b) => a.localeCompare(b));

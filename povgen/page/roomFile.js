@@ -7,7 +7,7 @@ import { data, element, pick } from "./data.js";
 import { say } from "./language.js";
 import { parsed } from "./toml.js";
 
-const { tables, objects: KINDS, most, movies } = data.rooms;
+const { tables, objects: KINDS, most, movies, letters } = data.rooms;
 
 // What is wrong with a file, in a sentence.
 export class Fault extends Error {}
@@ -23,7 +23,7 @@ function notAllowed(name, value, allowed) {
 
 const TEXTS = {
   name: [/^([A-Za-z][A-Za-z0-9_]{0,30})?$/, "A–Z a–z 0–9 _"],
-  text: [/^[\p{Script=Latin}\p{Script=Greek}\p{N}\p{P}\p{S} ]{1,60}$/u, "A–Z, Α–Ω, 0–9 (1–60)"],
+  text: [new RegExp(`^[${letters}]{1,60}$`), "A–ÿ, Α–Ω, 0–9 (1–60)"],
 };
 const pen = element("canvas").getContext("2d");
 

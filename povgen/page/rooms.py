@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, Literal, get_args, get_origin
 
+from povgen import fonts
 from povgen.inputs.pieces import PIECES
 from povgen.objects import OBJECTS
 from povgen.objects.placed import Placed
@@ -32,6 +33,7 @@ def data(pieces: Sequence[str] = tuple(PIECES)) -> dict[str, object]:
         "objects": {name: {x: own[x] for x in own if x not in shared} for name, own in objects.items()},
         "most": {"window": MOST_WINDOWS, "object": MOST_OBJECTS, "bytes": files.MAX_BYTES},
         "movies": sorted(OF_MOVIES),
+        "letters": fonts.LETTERS,
     }
 
 

@@ -27,6 +27,9 @@ export const tour = {
   get steps() {
     return TOURS[this.which].steps;
   },
+  get waits() {
+    return this.byHand && this.passed >= this.now.seconds;
+  },
   get now() {
     return this.intro ? TOURS[this.which].intro : this.steps[this.step];
   },
@@ -73,7 +76,9 @@ export const tour = {
     requestAnimationFrame((time) => {
       if (this.step < 0) return;
       if (!this.paused) {
+        const waited = this.waits;
         if (!view.behind) this.passed += Math.min(0.5, Math.max(0, (time - last) / 1000));
+        if (this.waits !== waited) this.draw();
         if (this.passed < this.now.seconds) this.show();
         else if (!this.byHand && this.step < this.steps.length - 1) this.next();
       }
@@ -120,7 +125,7 @@ export const tour = {
     if (!on) return;
     $("tour-text").textContent = this.text();
     $("tour-count").textContent = this.intro ? "" : this.place("count");
-    $("tour-pause").textContent = say(this.paused || this.byHand ? "tour.go_on" : "page.pause");
+    $("tour-pause").textContent = say(this.paused || this.waits ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
     $("tour-back").disabled = this.intro || this.step === 0;
     $("tour-next").textContent = say(this.step === this.steps.length - 1 ? "tour.done" : "asking.next");
@@ -146,8 +151,8 @@ $("tour-back").addEventListener("click", () => {
   tour.go(tour.step - 1);
 });
 on("tour-pause", "click", () => {
-  tour.paused = !(tour.paused || tour.byHand);
-  tour.byHand = false;
+  tour.paused = !tour.paused && !tour.waits;
+  tour.byHand = tour.byHand && tour.paused;
   if (!tour.paused) $("spoken").textContent = say("tour.goes_on");
 });
 $("tour-leave").addEventListener("click", () => tour.leave());

@@ -10,7 +10,7 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from povgen.errors import input_errors
+from povgen.errors import input_errors, shown
 from povgen.optics import apparent, equations
 from povgen.optics.equations import Booleans, Complexes, Floats
 from povgen.optics.ghosts import Ghost, ghosts
@@ -112,7 +112,10 @@ class Predicted(EyeAndWindows):
         infinitely far z is infinite (`apparent.image`).
         """
         windows = [(distance, sheet.thin) for (distance, _), sheet in zip(self.elements, self.sheets, strict=True)]
-        return apparent.image(np.ravel(np.asarray(L, complex)), float(_distances(z1)), windows)
+        points, distance = np.ravel(np.asarray(L)), _distances(z1)
+        if points.dtype.kind not in "iufc" or distance.ndim:
+            raise ValueError(f"L, z1 = {shown(L)}, {shown(z1)}: allowed: complex numbers and one number, tiles")
+        return apparent.image(points.astype(complex), float(distance), windows)
 
     @property
     def has_nu_and_M(self) -> bool:

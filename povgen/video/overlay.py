@@ -243,7 +243,10 @@ def strip(items: list[Item], width: int, height: int, larger: float = 1, most: i
             colour = items[n].colour
             if colour:
                 samples.append((place + size * np.linspace(0.2, SAMPLE - 0.6, 60) + 1j * middle, colour))
-            write(draw, place + size * SAMPLE * bool(colour), middle, items[n].text, size)
+            left = place + size * SAMPLE * bool(colour)
+            if whole_lines[n]:  # it can be another text than the widest
+                left += size * (text_width(items[n].widest, size) - text_width(items[n].text, size)) / 2
+            write(draw, left, middle, items[n].text, size)
             place += size * widths[n]
     strip = np.array(image)
     for points, colour in samples:

@@ -17,7 +17,7 @@ FONTS = {"text": fonts.TEXT, "symbol": fonts.SYMBOLS}
 SYMBOL_SIZE = 1.2  # the symbols' letters are larger, because they are low for their size
 # A symbol is a Greek letter, or a Latin letter that is no part of a word or a name, but neither A nor a. Its subscript
 # is text.
-SYMBOL = re.compile("(?<![\\w'’-])([B-Zb-zα-ω])(?![^\\W₀-₉]|['’][^\\Ws]|-)")
+SYMBOL = re.compile("(?<![\\w'’-])([B-Zb-zα-ω])(?![^\\W₀-₉²³¹]|['’][^\\Ws]|-)")
 
 
 def _runs(text: str) -> list[tuple[str, str]]:

@@ -4,7 +4,7 @@ import imageio_ffmpeg
 import pytest
 from conftest import povgen, refused
 
-from povgen import MovieSpec, Rendering, info
+from povgen import MovieSpec, Rendering, Scene, info
 from povgen.cli.report import warn
 
 TINY = ["--sheet", "none", "--size", "64x48", "--antialias", "off"]
@@ -43,6 +43,31 @@ def test_a_spec_with_another_number_of_frames(tmp_path):
 def test_what_cannot_be_is_refused(options, words, tmp_path):
     message = refused(["movie", *options], tmp_path)
     assert all(word in message for word in words), message
+
+
+def test_what_changes_nothing_or_cannot_be_trusted_is_said(tmp_path):
+    """A number of a room's window, and the overlay that a movie's file states."""
+    sweep = '[[sweep]]\nparameter = "{}"\nstart = {}\nstop = {}\n'
+    (tmp_path / "room.toml").write_text('[[window]]\nname = "left"\n' + sweep.format("left.prisms", 10, 90))
+    movie = 'title = "a"\nscene = "chess"\noverlay = true\n[fixed]\nalpha = 178\nprisms = 15\n'
+    (tmp_path / "movie.toml").write_text(movie + sweep.format("z1", 5.8, 5.9))
+    small = ["--frames", "2", "--size", "64x48", "--renderer", "gl", "-o", "a.gif"]
+    for file, warning in (("room", "left.prisms: no effect with sheet = ideal"), ("movie", "overlay: at alpha = 178")):
+        code, _, said = povgen(["movie", f"{file}.toml", *small], tmp_path)
+        assert code == 0 and f"povgen: warning: {warning}" in said
+    code, _, said = povgen(["live", "chess", "--predicted-image", "-o", "a.html"], tmp_path)
+    assert code == 0 and "predicted_image = true: no effect in the live view" in said
+
+
+def test_a_movie_again_keeps_one_scale(tmp_path):
+    small = ["--renderer", "gl", "--antialias", "off", "-o"]
+    scene = ["movie", "chess", "--z1", "6", "--sweep", "prisms=10:100", "--frames", "3"]
+    first = [*scene, "--size", "64x48", *small, "a/%d.png"]
+    assert povgen(first, tmp_path)[0] == 0
+    assert povgen([*first[:-1], "a.gif"], tmp_path)[0] == 0
+    assert povgen(["movie", "--from", "a.gif", "--aperture", "4", *small, "b/%d.png"], tmp_path)[0] == 0
+    views = [{Scene.from_file(tmp_path / name / f"{n}.png").view for n in (1, 2, 3)} for name in "ab"]
+    assert len(views[0]) == len(views[1]) == 1 and views[0] != views[1]
 
 
 def test_a_sweep_of_prisms_warns_once(capsys):

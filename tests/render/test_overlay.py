@@ -205,8 +205,8 @@ def test_each_note_of_a_movie_is_broken_by_its_own_words():
 
 
 def test_only_single_letters_are_symbols():
-    runs = _runs("König für l’eau z₁ f₁/f₂, M, P’s α")
-    assert [part for part, font in runs if font == "symbol"] == ["z", "f", "f", "M", "P", "α"]
+    runs = _runs("König für l’eau z₁ f₁/f₂, M, P’s α, x²")
+    assert [part for part, font in runs if font == "symbol"] == ["z", "f", "f", "M", "P", "α", "x"]
 
 
 @pytest.mark.parametrize("size", [(320, 240), (240, 320)])

@@ -92,7 +92,9 @@ def command(
         file = planned(made, file, rendering, own).output
         check_unasked([] if output or dry_run else [file])
     if automatic is not None:
-        sheet, choice = automatic.choose(made.scenes, {**of_movie(chosen), "bits": rendering.bits}, quiet, scheduler)
+        sheet, choice = automatic.choose(
+            made.fitted(rendering.size).scenes, {**of_movie(chosen), "bits": rendering.bits}, quiet, scheduler
+        )
         made, rendering = film_with({**values, **sheet}, rendering.quality), rendering.replace(**choice)
     made = made.fitted(rendering.size)
     plan = Plan(made, rendering, file)

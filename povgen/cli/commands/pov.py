@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import click
 
@@ -49,7 +50,7 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     name = "scene.pov" if output is None else output.name
     stem = Path(name).stem
     if not re.fullmatch(r"[\w .-]+", stem, re.ASCII):  # POV-Ray reads no other name of a file in a scene
-        stem = "scene"
+        stem = f"scene-{crc32(stem.encode()):08x}"
     rays = f"{stem}-rays-"
     text = to_sheets(made) if part else to_pov(made, file=name, rays=rays, **sampling)
     warn(options.stated(made, values), [made])

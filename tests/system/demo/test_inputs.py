@@ -223,6 +223,18 @@ def test_the_whole_piece_and_its_pedestal_can_be_dragged(page, alpha, height):
     page.mouse.up()
     after = page.evaluate("[...state.L, ...state.E]")
     assert after[:2] != before[:2] and after[2:] == before[2:]
+    show(page, light="aim", W=[-1, -1])
+    page.mouse.click(*page.evaluate(point))  # there the ray is to cross the window
+    assert (
+        abs(
+            page.evaluate(
+                "abs(minus(state.W, apparentPosition({ ...moment(), L: plus(state.L, [0.15, HEIGHT]) })))".replace(
+                    "HEIGHT", str(height)
+                )
+            )
+        )
+        < 0.05
+    )
 
 
 def test_a_swipe_that_scrolls_the_page_moves_nothing(page):

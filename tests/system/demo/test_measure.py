@@ -127,6 +127,14 @@ def test_who_does_not_see_the_picture_measures_too(measure):
     assert {"30", "α / °", "ν / °"} <= {*measure.locator("#plot-nu text").all_text_contents()}
 
 
+def test_what_is_to_be_done_for_the_next_row_is_said(measure):
+    write_down(measure, put=True)
+    measure.evaluate("draw()")
+    expect(measure.locator("#move-first")).to_have_text(re.compile(r"^Row 1: ν = 15\.0°"))
+    show(measure, alpha=30)
+    expect(measure.locator("#move-first")).to_have_text(re.compile("^First drag A, B and C"))
+
+
 def test_beginners_have_one_size(measure):
     """It is compared with the size without sheets, also in the table and the curve. The table keeps M."""
     show(measure, alpha=180, z1=2, level="simple")
@@ -236,6 +244,17 @@ def test_work_survives_the_page(browser, demo_file):
     assert page.evaluate(kept) == [66, "0,9", 12, "Ada"]  # as with the answer
     expect(page.locator("#answer")).to_contain_text("Yes: counter-clockwise.")
     expect(page.locator("#votes")).to_be_visible()
+    page.locator("#again").click()
+    page.get_by_role("radio", name="not turn").check()
+    page.get_by_role("button", name="Reveal").click()
+    marks = (
+        "[...document.querySelectorAll('#prediction label')].map((part) => getComputedStyle(part, '::after').content)"
+    )
+    assert page.evaluate(marks) == ['"✓"', '"✗"', "none"]
+    page.evaluate("openQuestion(-1); draw(); keepAddress()")
+    again()
+    page.keyboard.press("q")
+    assert page.evaluate("[QUESTIONS[state.question].name, draw()][0]") == "near"  # the question that was open
     page.evaluate("povgen.look.present(true)")
     expect(page.get_by_role("button", name="Votes of the class")).to_be_visible()
     page.evaluate("povgen.look.present(false)")
