@@ -56,8 +56,8 @@ TITLES = {  # of the charts of frames: true also if the machine was as fast for 
     size: (f"Prisms: gl costs less than {part} of POV-Ray", f"Ideal sheet: gl costs less{errors}")
     for size, part, errors in (
         ("160x120", "half", " for every error"),
-        ("320x240", "a third", ", but for the smallest errors"),
-        ("640x480", "a quarter", ", but for the smallest errors"),
+        ("320x240", "a third", ",\nexcept at the smallest errors"),
+        ("640x480", "a quarter", ",\nexcept at the smallest errors"),
     )
 }
 Row = tuple[object, ...]

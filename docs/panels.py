@@ -235,14 +235,14 @@ OTHERS: dict[str, list[Panel]] = {
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "polarisers parallel: 34 % passes", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
-        Panel(CROSSED, "polarisers crossed: 1.5 % passes"),
+        Panel(POLARISED, "polarisers parallel: 34 % of designed", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
+        Panel(CROSSED, "crossed: 1.5 % of designed light"),
         Panel(
             CROSSED,
             "crossed, shown 6 × brighter",
             names={
                 "designed light": (-0.86 + 0.38j, -0.03 - 0.2j),
-                "stray light": (0.72 - 1.31j, -0.31 - 1.27j, 1.1 - 0.86j, 1.48 - 1.07j),
+                "stray light": (0.95 - 1.31j, 0.45 - 1.1j),
             },
             brighter=6,
         ),

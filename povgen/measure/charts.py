@@ -50,7 +50,7 @@ def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None,
             axes[0].set(ylabel="RMS error (1: white)")
             letters = ", ".join(f"{names[0][0]}: {' and '.join(names)}" for names in _qualities(True).values())
             marks = "marks: samplings; one is left out if a cheaper one has a smaller error"
-            figure.supxlabel(f"{marks}\nletters: those of --quality ({letters}), always drawn", fontsize=11)
+            figure.supxlabel(f"{marks}\nletters: those of --quality ({letters}), all that were measured", fontsize=11)
             named = (titles or {}).get(f"{width}x{height}", ("Prisms", "Ideal sheet"))
             for ax, prisms, title in zip(axes, (True, False), named, strict=True):
                 ax.set(xscale="log", yscale="log", title=title, xlabel=f"CPU seconds for a frame of {width}x{height}")

@@ -40,7 +40,7 @@ MAPS = {made.name: made for made in (  # without rows
         "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
         finding="(f) Eye off the axis: the error is at most 1.2 times what povgen states",
-        band=("right", limits.MAX_CAMERA_ERROR, "povgen takes more cells"),
+        band=("right", limits.MAX_CAMERA_ERROR, "not used: povgen takes more cells"),
         groups={"": "8 scenes, each with 4 sizes of cells"},
     ),
     StabilityMap(
