@@ -67,7 +67,7 @@ def windows(picture: Picture) -> None:
     """Show the room's picture, with the edges of windows that have no frame."""
     picture.ax.imshow(picture.render(picture.room), extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()))
     for opening in picture.room.openings:
-        if not opening.framed:
+        if not opening.rim:
             picture.line(opening.edge, PRISMS, 1.5)
 
 

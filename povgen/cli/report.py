@@ -97,7 +97,7 @@ def _unused_in_rooms(scenes: Sequence[Scene], values: Mapping[str, Any]) -> Iter
     """Yield a text for each number of a room's window that is swept and changes nothing."""
     for name, part in [each for scene in scenes for each in scene.parts.items()]:
         if isinstance(part, Window):
-            for unused in sorted(PARAMETERS.keys() - {each.name for each in part.optics.parameters}):
+            for unused in sorted(part.without_effect):
                 if f"{name}.{unused}" in values:
                     yield f"{name}.{unused}: no effect with sheet = {part.optics.name}"
 

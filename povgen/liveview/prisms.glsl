@@ -9,8 +9,7 @@ const int THROUGH = 0;     // leaves the sheets away from the eye
 const int BACK = 1;        // leaves them towards the eye
 const int FRAME = 2;       // meets the window frame
 const int UNFINISHED = 3;  // has met the greatest allowed number of faces
-
-const int BLACKENED = 4;   // has met a blackened top
+const int ABSORBED = 6;    // has met a black top
 
 struct Passage {
   vec3 position;   // where the ray leaves the sheets, or meets the window's edge, in the window's coordinates, tiles
@@ -223,7 +222,7 @@ Passage passage(Passage ray, int number) {
     if (firstCell == FAR) firstCell = cell;
 #endif
     if (face == 2 && blackTops[number]) {
-      ray.end = BLACKENED;
+      ray.end = ABSORBED;
       break;
     }
 
@@ -246,7 +245,7 @@ Passage passage(Passage ray, int number) {
     if (ray.faces >= maxFaces) break;
   }
 #ifdef PATH
-  if (ray.end == UNFINISHED && !between) {  // it ends in a sheet
+  if ((ray.end == UNFINISHED && !between) || ray.end == ABSORBED) {  // it ends in a sheet
     p.y += cell + firstBase;
     p = axes * vec3(turn.x * p.x - turn.y * p.y, turn.y * p.x + turn.x * p.y, p.z);
     p.z += sheetCentres[2 * number + at] / pitch;

@@ -94,7 +94,7 @@ def _window(opening: Opening) -> dict[str, Any]:
         "half": [side / 2 for side in opening.outline[:2]],
         "round": opening.outline.is_round,
         "depth": opening.frame,
-        "framed": opening.framed,
+        "framed": opening.rim > 0,
         "values": {**sheet.values, "aperture": sheet.aperture, **_made(sheet, sheet.values)},
     }
 

@@ -74,7 +74,7 @@ bool endsIn(int w, inout Seen seen, inout vec3 o, float reach) {
     seen.passage = passage(Passage(p, d, THROUGH, seen.passage.faces), w);
     p = seen.passage.position;
     d = seen.passage.direction;
-    seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == BLACKENED;
+    seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == ABSORBED;
     if (seen.passage.end == FRAME) {
       vec2 far = p.xy / windowHalf[w];
       vec2 inwards = abs(far.x) > abs(far.y) ? vec2(-sign(far.x), 0) : vec2(0, -sign(far.y));

@@ -16,7 +16,6 @@ from povgen.measure.measured import px, rms
 from povgen.measure.probes import Directions, Floats, Light, Mask, PiecePositions, Positions, Size, White
 from povgen.measure.targets import located, unit
 from povgen.optics import equations
-from povgen.optics.faces import Face
 from povgen.optics.ghosts import Ghost, field
 from povgen.optics.polarisation import transmission
 from povgen.optics.profile import confocal
@@ -275,9 +274,10 @@ def black_tops(scenes: Sequence[Directions], size: Size) -> Numbers:
     """Return how many percent of the pixels are black as in the ray trace, and how many are black."""
     (scene,), (decoded,) = scenes, probes.decoded(scenes, size)
     rays = window_rays(scene, size)
-    black = (rays.traced.faces == Face.TOP).any(1)[rays.leaves]
-    agree = np.isnan(decoded[rays.inside][rays.leaves][:, 0]) == black
-    return 100 * agree.mean(), 100 * black.mean()
+    black = rays.traced.end == End.ABSORBED
+    known = rays.leaves | black
+    agree = (np.isnan(decoded[rays.inside][:, 0]) == black)[known]
+    return 100 * agree.mean(), 100 * black[known].mean()
 
 
 def partial_reflection(scenes: Sequence[Light], size: Size) -> Numbers:

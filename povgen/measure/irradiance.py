@@ -17,7 +17,6 @@ from povgen.optics.equations import Complexes, Floats, real
 from povgen.optics.faces import Booleans, Indices
 from povgen.optics.opening import Opening
 from povgen.optics.rays import LARGEST, MOST, Bundle, Traced, checked_count
-from povgen.optics.shares import meet_tops
 from povgen.optics.trace import CHUNK, End
 from povgen.optics.values import Values
 from povgen.rendering.frames import read_png
@@ -76,9 +75,8 @@ def irradiance(
     `count` rays are traced to random points of the windows; `seed` is that of the random numbers. Light that no window
     meets first is left out, and objects neither stop light nor shine. Light that passes one window of a preset and
     misses the next one is lost; in a room it goes on. With the scene's `fresnel`, partial reflections count. Raises
-    InputError for numbers that are not allowed, for a scene without windows, with polarisers or with black tops in some
-    windows only, for a screen between windows, and, in a preset with several windows, for a source whose z is between
-    those of the first and the last.
+    InputError for numbers that are not allowed, for a scene without windows or with polarisers, for a screen between
+    windows, and, in a preset with several windows, for a source whose z is between those of the first and the last.
     """
     scene, rng = checked_scene(scene), np.random.default_rng(checked_count("seed", seed, 10**9, 0))
     count, (width, height) = checked_count("count", count, MOST), PictureSize(size=size).size
@@ -87,7 +85,6 @@ def irradiance(
         raise ValueError(f"extent = {shown(extent)}: allowed: left < right, bottom < top")
     _check_scene(scene, source, diameter, z)
     colours = 3 if isinstance(source, Card) else 1
-    black = _has_black_tops(scene)
     sums, squares = np.zeros((2, 2 * height * width, colours))  # of rays' powers: first of designed light
     power = np.zeros((2, colours))  # that enters, that leaves
     for start in range(0, count, CHUNK):
@@ -95,7 +92,6 @@ def irradiance(
         traced = scene.trace(rays, partial=rng if scene.fresnel else None)
         light *= (traced.windows[:, :1] == window[:, None]) / count
         at, arrives = _on(traced, z)
-        arrives &= ~(black & meet_tops(traced))
         power += light.sum(0), light[arrives].sum(0)
         column = np.floor((at.real - left) / (right - left) * width)
         row = np.floor((top - at.imag) / (top - bottom) * height)
@@ -137,14 +133,6 @@ def _check_scene(scene: Scene, source: ArrayLike | Card, diameter: float, z: flo
         depth = abs(opening.pose.axes[:, 2]) @ sizes / 2  # half of its extent along z
         if abs(z - opening.pose.z) < depth:
             raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")
-
-
-def _has_black_tops(scene: Scene) -> bool:
-    """Return whether the prisms' tops are black. Raises ValueError if only those of some windows are."""
-    tops = {sheet.values.get("tops", "clear") for sheet in scene.sheets if sheet.glass}
-    if len(tops) > 1:
-        raise ValueError("tops = 'black': in some windows only; allowed: in all, or in none")
-    return "black" in tops
 
 
 def _checked(name: str, values: Any, count: int) -> Any:  # noqa: ANN401

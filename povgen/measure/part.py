@@ -12,7 +12,6 @@ from pydantic import Field
 from povgen import remedies
 from povgen.errors import InputError, input_errors
 from povgen.files import checked_output
-from povgen.objects.window import RIM
 from povgen.optics.faces import GlassSheet, sections
 from povgen.optics.outline import Outline
 from povgen.optics.prism import Prism
@@ -77,7 +76,7 @@ def solids(scene: Scene, frame: bool = False) -> dict[str, Manifold]:
         raise InputError(f"sheet = {(without or ['none'])[0]!r} has no glass; allowed: {allowed}")
     found: dict[str, Manifold] = {}
     for name, opening in scene.named_openings.items():
-        glass, wider = opening.sheet.glass, RIM if frame and opening.framed else 0.0  # to the middle of its sides
+        glass, wider = opening.sheet.glass, opening.rim if frame else 0.0  # to the middle of its sides
         ends = ("-near", "-far") if len(glass) > 1 else ("",)
         own = {name + end: _solid(sheet, opening.outline, wider) for end, sheet in zip(ends, glass, strict=False)}
         if glass and wider:

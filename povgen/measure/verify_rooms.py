@@ -53,7 +53,7 @@ def directions(room: Room, view: OpenGLView, size: Size) -> tuple[Any, Any]:
     """Return the angles (height, width), rad, between the last directions of gl's rays and of the ray trace's.
 
     Also return the ray trace. Objects are left out. A ray that gl calls lost is off by pi. The angle is NaN where gl
-    shows a frame: the ray trace knows only the frames' openings.
+    shows a frame.
     """
     bare = room.replace(object=())
     view.set(bare)

@@ -8,7 +8,7 @@ from povgen.objects.placed import Extent, Placed
 from povgen.objects.sheet_fields import ParametersOfSheets, SheetName
 from povgen.optics.opening import Opening
 from povgen.optics.outline import Outline
-from povgen.sheets import SHEETS
+from povgen.sheets import PARAMETERS, SHEETS
 from povgen.sheets.sheet import Sheet
 
 RIM = 0.15  # width of a frame's sides, tiles
@@ -44,19 +44,29 @@ class Window(Placed, ParametersOfSheets):
         return kind({each.name: getattr(self, each.name) for each in kind.parameters}, self.side)
 
     @property
+    def without_effect(self) -> set[str]:
+        """The parameters that its sheet does not have."""
+        return PARAMETERS.keys() - {each.name for each in self.optics.parameters}
+
+    @property
     def depth(self) -> float:
         """Extent of frame and sheet along the window's z, tiles; 0 for an ideal sheet without a frame."""
         return max(self.side / 10 if self.frame else 0, 1.02 * self.optics.depth)
 
     @property
+    def rim(self) -> float:
+        """Width of the frame's sides, tiles; 0 without a frame."""
+        return RIM if self.frame else 0
+
+    @property
     def opening(self) -> Opening:
         """The window as in `optics.opening`."""
         outline = Outline(self.width, self.height or self.width, self.outline == "round")
-        return Opening(self.pose, self.optics, self.depth, outline, self.frame)
+        return Opening(self.pose, self.optics, self.depth, outline, self.rim)
 
     @property
     def box(self) -> Extent:
         """The room that it takes, with its frame: two corners of a box, in its own coordinates."""
-        rim = RIM if self.frame else 0
-        x, y, z = self.width / 2 + rim, (self.height or self.width) / 2 + rim, self.depth / 2
+        outer, z = self.opening.outer, self.depth / 2
+        x, y = outer.width / 2, outer.height / 2
         return (-x, -y, -z), (x, y, z)

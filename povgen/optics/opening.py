@@ -11,18 +11,24 @@ from povgen.optics.pose import Pose
 
 
 class Opening(NamedTuple):
-    """A window: where its opening stands, what is in it, how deep its frame is, and its outline."""
+    """A window: where its opening stands, what is in it, its outline, and how deep and wide its frame is."""
 
     pose: Pose
     sheet: Element
     frame: float = 0.0  # extent of the frame along the window's normal; `deep` makes it hold prisms or lenses
     own_outline: Outline | None = None  # None: a square, with the sheet's side
-    framed: bool = True  # whether a frame is seen; without it, prisms or lenses have black edges
+    rim: float = 0.0  # width of the frame's sides, which are taken as boxes; 0: prisms or lenses have black edges
 
     @property
     def outline(self) -> Outline:
         """The opening's outline."""
         return self.own_outline or Outline(self.sheet.aperture, self.sheet.aperture)
+
+    @property
+    def outer(self) -> Outline:
+        """The outline of the opening and its frame."""
+        width, height, is_round = self.outline
+        return Outline(width + 2 * self.rim, height + 2 * self.rim, is_round)
 
     @property
     def edge(self) -> Floats:

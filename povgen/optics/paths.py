@@ -44,7 +44,7 @@ class Leg(NamedTuple):
     start: Floats  # (n, 3)
     direction: Floats  # (n, 3), unit vectors
     length: Floats  # to the next window; infinite if there is none
-    window: Indices  # the next one's number, or -1
+    window: Indices  # the next one's number, or -1: there is none, or its frame's rim stops the ray
 
 
 class DesignedLight:
@@ -62,7 +62,8 @@ class DesignedLight:
         last = np.full(len(start), -1)
         legs: list[Leg] = []
         while True:
-            last, length = nearest(self.windows, start, direction, last)
+            met, length, rim = nearest(self.windows, start, direction, last)
+            last = np.where(rim, -1, met)
             legs.append(Leg(start, direction, length, last))
             if len(legs) > most or (last < 0).all():
                 return legs

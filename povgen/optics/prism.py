@@ -23,6 +23,7 @@ class Prism:
     base_angle: float = 45.0  # between the base and the slanted facets, degrees; below 90
     gap: float = 0.01  # air between neighbouring prisms, and between two sheets, in units of the pitch
     aspect: float = 1.0  # length, in units of the length at full aperture
+    black: bool = False  # whether its top absorbs light
 
     def __post_init__(self) -> None:
         """Raise ValueError for a number outside its range. NaN is outside."""
@@ -80,9 +81,9 @@ class Prism:
         """Distance between the middle planes of two parallel sheets: the air between the sheets is as wide as a gap."""
         return self.length + self.gap * self.pitch
 
-    def with_length_kept(self, **changes: float) -> "Prism":
+    def with_length_kept(self, *, index: float | None = None, base_angle: float | None = None) -> "Prism":
         """Return a prism of the same length with another index or base angle. Its aspect is found."""
-        other = replace(self, **changes)
+        other = replace(self, index=index or self.index, base_angle=base_angle or self.base_angle)
         return replace(other, aspect=self.aspect * (self.full_aperture / other.full_aperture))
 
     def thickness(self, sheets: int) -> float:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from povgen.optics.faces import Booleans, Face
 from povgen.optics.trace import End, Rays
 
 
@@ -29,30 +28,10 @@ class Shares:
     blocked: float  # meet an ideal sheet through which no light of their direction passes
 
 
-def meet_tops(rays: Rays) -> Booleans:
-    """Return which rays through prisms meet a top. No ray on the designed path does."""
-    return np.asarray((rays.faces == Face.TOP).any(-1) & ~rays.designed)  # TOP is also edge 3 of a profile
-
-
-def shares(rays: Rays, black_tops: bool = False) -> Shares:
-    """Return what becomes of rays, a result of `trace.trace`. Raises ValueError if there are no rays.
-
-    With `black_tops`, which is for prisms only, the tops of the prisms absorb light: rays that meet a top from inside
-    the prism, and rays that run through the gap between two prisms to the top of the lower one. No ray on the designed
-    path meets a top. The paths of rays are traced as if tops did not absorb.
-    """
+def shares(rays: Rays) -> Shares:
+    """Return what becomes of rays, a result of `trace.trace`. Raises ValueError if there are no rays."""
     if not rays.end.size:
         raise ValueError("0 rays; allowed: one or more")
-    absorbed = meet_tops(rays) & black_tops
-    through = rays.end == End.THROUGH
-    kinds = {
-        "designed": rays.designed,
-        "stray": through & ~rays.designed,
-        "back": rays.end == End.BACK,
-        "frame": rays.end == End.FRAME,
-        "beside": rays.end == End.BESIDE,
-        "unfinished": rays.end == End.UNFINISHED,
-        "blocked": rays.end == End.BLOCKED,
-    }
-    counted = {name: float(np.mean(kind & ~absorbed)) for name, kind in kinds.items()}
-    return Shares(**counted, absorbed=float(absorbed.mean()))
+    ends = {end.name.lower(): float(np.mean(rays.end == end)) for end in End}
+    designed = float(np.mean(rays.designed))
+    return Shares(designed=designed, stray=ends.pop("through") - designed, **ends)

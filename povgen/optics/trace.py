@@ -4,8 +4,8 @@ Each ray is followed until it leaves the sheets.
 
 The coordinates are those of a window: x right, y up, z away from the eye. All lengths, also the window's side, are in
 one unit, such as tiles. Rays may run either way. Glass absorbs no light. Its faces refract all light or reflect all
-light, unless `trace` has the argument `partial`. A ray that meets the window's frame from inside ends there. So does a
-ray that misses the window (`End.FRAME`).
+light, unless `trace` has the argument `partial`; black tops of prisms absorb it. A ray that meets the window's frame
+from inside ends there. So does a ray that misses the window (`End.FRAME`).
 
 Each sheet has its own coordinate system, in which its ridges lie along x. It is divided into cells, one pitch high, and
 u is the height in a cell. A cell of prisms begins at a prism's base: it is the prism and the air above it. The cells of
@@ -54,6 +54,7 @@ class End(IntEnum):
     UNFINISHED = 3  # has met the greatest allowed number of faces
     BESIDE = 4  # passes beside a window, after another one
     BLOCKED = 5  # meets an ideal sheet through which no light of this direction passes
+    ABSORBED = 6  # meets a black top of a prism
 
 
 @dataclass(eq=False)
@@ -230,6 +231,7 @@ class _Trace:
         self.axes = np.array([sheet.axes for sheet in sheets]) if any(any(sheet.tilt) for sheet in sheets) else None
         self.middle = self.centre.mean()
         self.outline, self.frame = outline, frame / 2
+        self.black = any(isinstance(sheet.shape, Prism) and sheet.shape.black for sheet in sheets)
         # of profiles: the cell in which a ray first met glass in its sheet, and the one in which it did last
         self.borders = isinstance(glass, ProfileCells)
         self.entered, self.last = np.empty((2, n if self.borders else 0))
@@ -324,6 +326,10 @@ class _Trace:
             at = i, self.rays.count[i] - 1
             self.steps.place[at], self.steps.glass[at] = self.rays.position[i], index
             self.steps.behind[at] = np.where(reflected == out, index, 1)
+        if self.black:
+            on = face != Face.TOP
+            self.without_ended(i, ~on, End.ABSORBED)
+            i, face, reflected = i[on], face[on], reflected[on]
         if not self.borders:
             through = i[~reflected & (face == Face.BASE)]
             self.cell[through] += -1 if out else 1
@@ -405,6 +411,9 @@ class _Trace:
             reflected |= partly
         change = np.where(reflected, -2 * along, np.copysign(np.sqrt(np.maximum(square, 0)), along) - eta * along)
         scale = np.where(reflected, 1, eta)
+        if self.black:  # what a top absorbs keeps its direction
+            stops = face == Face.TOP
+            change, scale = np.where(stops, 0, change), np.where(stops, 1, scale)
         self.dx[i] *= scale
         self.dy[i] = scale * dy + change * nu
         self.dz[i] = scale * dz + change * nz

@@ -139,8 +139,9 @@ class _Way:
         """Follow each of these rays to its end."""
         last = np.full(len(i), -1)
         for crossing in range(MOST_CROSSINGS + 1):
-            met, distance = nearest(self.windows, taken(self.rays.position, i), taken(self.rays.direction, i), last)
-            i, distance, met = i[met >= 0], distance[met >= 0], met[met >= 0]
+            found = nearest(self.windows, taken(self.rays.position, i), taken(self.rays.direction, i), last)
+            some = found[0] >= 0
+            i, met, distance, rim = i[some], found[0][some], found[1][some], found[2][some]
             if not len(i) or crossing == MOST_CROSSINGS:
                 self.rays.end[i] = End.UNFINISHED
                 return
@@ -148,16 +149,17 @@ class _Way:
                 self.met.append(np.full(len(self.rays.end), -1, np.int32))
             self.met[crossing][i] = met
             numbers = [w for w in range(len(self.windows)) if (met == w).any()]
-            leaving = [self.cross(i[met == w], w, distance[met == w], self.met[crossing]) for w in numbers]
+            each = [(w, met == w) for w in numbers]
+            leaving = [self.cross(i[some], w, distance[some], rim[some], self.met[crossing]) for w, some in each]
             i, last = np.concatenate(leaving), np.repeat(numbers, [*map(len, leaving)])
 
-    def cross(self, i: Indices, w: int, distance: Floats, met: NDArray[np.int32]) -> Indices:
-        """Take rays to a window at this distance, and through it. Return those that leave it."""
+    def cross(self, i: Indices, w: int, distance: Floats, rim: Booleans, met: NDArray[np.int32]) -> Indices:
+        """Take rays to a window at this distance, to its `rim` or through it. Return those that leave it."""
         window = self.windows[w]
         position, direction = window.pose.own(taken(self.rays.position, i), taken(self.rays.direction, i))
         position += distance[:, None] * direction
         outside = distance > 0
-        beside = outside & (abs(position[:, 2]) < (1 - 1e-9) * window.frame / 2)
+        beside = rim | (outside & (abs(position[:, 2]) < (1 - 1e-9) * window.frame / 2))
         ends = np.where(beside, End.FRAME, End.THROUGH).astype(np.uint8)
         # some rays start in the frame, behind the sheet: they only leave the frame
         front, back = self.reach(w, direction[:, 2] > 0)
@@ -261,19 +263,26 @@ def taken(vectors: Floats, i: Indices) -> Floats:
     return vectors.T.take(i, 1).T
 
 
-def nearest(windows: Sequence[Opening], position: Floats, direction: Floats, last: Indices) -> tuple[Indices, Floats]:
-    """Return the window that each ray (n, 3) meets first, or -1, and how far away it is, or infinity.
+def nearest(
+    windows: Sequence[Opening], position: Floats, direction: Floats, last: Indices
+) -> tuple[Indices, Floats, Booleans]:
+    """Return the window that each ray (n, 3) meets first, or -1, how far away it is, or infinity, and if it is the rim.
 
-    `last` (n,) is the window that each ray has just left, or -1. A straight ray does not meet it again.
+    The rim is what is seen of a frame from outside. `last` (n,) is the window that each ray has just left, or -1. A
+    straight ray does not meet it again.
     """
-    met, distance = np.full(len(last), -1), np.full(len(last), np.inf)
+    met, distance, rim = np.full(len(last), -1), np.full(len(last), np.inf), np.zeros(len(last), bool)
     for w, window in enumerate(windows):
         some = np.flatnonzero(last != w)
         own = window.pose.own(taken(position, some), taken(direction, some))
-        begins, ends = window.outline.passage(*own, window.frame)
+        begins, ends = window.outer.passage(*own, window.frame)
         closer = (begins <= ends) & (ends >= 0) & (begins < distance[some])
-        met[some[closer]], distance[some[closer]] = w, begins[closer]
-    return met, np.maximum(distance, 0)
+        i = some[closer]
+        met[i], distance[i], rim[i] = w, np.maximum(begins[closer], 0), False
+        if window.rim:
+            start, way = (taken(values, np.flatnonzero(closer)) for values in own)
+            rim[i] = window.outline.excludes(*(start + distance[i, None] * way)[:, :2].T)
+    return met, distance, rim
 
 
 def slope_of_light(window: Element, behind: Complexes, place: Complexes) -> Complexes:

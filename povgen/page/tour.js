@@ -27,8 +27,14 @@ export const tour = {
   get steps() {
     return TOURS[this.which].steps;
   },
+  get ended() {
+    return this.passed >= this.now.seconds;
+  },
   get waits() {
-    return this.byHand && this.passed >= this.now.seconds;
+    return this.byHand && this.ended;
+  },
+  get isLast() {
+    return this.step === this.steps.length - 1;
   },
   get now() {
     return this.intro ? TOURS[this.which].intro : this.steps[this.step];
@@ -76,11 +82,11 @@ export const tour = {
     requestAnimationFrame((time) => {
       if (this.step < 0) return;
       if (!this.paused) {
-        const waited = this.waits;
+        const { ended } = this;
         if (!view.behind) this.passed += Math.min(0.5, Math.max(0, (time - last) / 1000));
-        if (this.waits !== waited) this.draw();
-        if (this.passed < this.now.seconds) this.show();
-        else if (!this.byHand && this.step < this.steps.length - 1) this.next();
+        if (this.ended !== ended) this.draw();
+        if (!this.ended) this.show();
+        else if (!this.byHand && !this.isLast) this.next();
       }
       this.run(time);
     });
@@ -127,8 +133,9 @@ export const tour = {
     $("tour-count").textContent = this.intro ? "" : this.place("count");
     $("tour-pause").textContent = say(this.paused || this.waits ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
+    $("tour-pause").disabled = this.isLast && this.ended;
     $("tour-back").disabled = this.intro || this.step === 0;
-    $("tour-next").textContent = say(this.step === this.steps.length - 1 ? "tour.done" : "asking.next");
+    $("tour-next").textContent = say(this.isLast ? "tour.done" : "asking.next");
   },
 };
 

@@ -149,7 +149,10 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     @property
     def openings(self) -> list[Opening]:
         """The windows as in `optics.opening`."""
-        return [Opening(Pose(z=z), sheet, self.depth) for z, sheet in zip(self.places, self.sheets, strict=True)]
+        return [
+            Opening(Pose(z=z), sheet, self.depth, rim=self.rim)
+            for z, sheet in zip(self.places, self.sheets, strict=True)
+        ]
 
     @property
     def depth(self) -> float:

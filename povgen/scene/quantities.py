@@ -63,7 +63,7 @@ def _shares(scene: AxialScene) -> Shares:
     x, y = scene.aperture * (np.random.default_rng(1).uniform(size=(2, RAYS)) - 0.5)
     P = scene.E + (x + 1j * y - scene.E) / (1 - scene.depth / 2 / scene.z2)
     partial = np.random.default_rng(2) if scene.fresnel else None
-    return shares(scene.trace(scene.camera.through(P), partial=partial), "black" in _tops(scene))
+    return shares(scene.trace(scene.camera.through(P), partial=partial))
 
 
 class TracedImage(NamedTuple):
@@ -211,15 +211,6 @@ def _spread(scene: AxialScene) -> float:
     return max(0.1, 8 * pitch)
 
 
-def _tops(scene: AxialScene) -> set[str]:
-    return {sheet.values.get("tops", "clear") for sheet in scene.layered}
-
-
-def _stray(scene: AxialScene) -> float:
-    """Return the share of stray light. NaN if only some windows have black tops: `shares` cannot compute this case."""
-    return _shares(scene).stray if len(_tops(scene)) < 2 else np.nan
-
-
 @lru_cache(1)
 def _convergence(scene: AxialScene) -> Convergence:
     """Return where the first object's light that takes the designed path through the windows is closest together."""
@@ -294,9 +285,9 @@ QUANTITIES = {
         lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"
     ),
     "stray": Quantity(
-        _stray,
+        lambda scene: _shares(scene).stray,
         "",
-        "share of the eye's rays that leave the far side on other paths; NaN if only some windows have black tops",
+        "share of the eye's rays that leave the far side on other paths",
     ),
     "best_focus": Quantity(
         pupil.best_focus,

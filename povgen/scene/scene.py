@@ -211,15 +211,15 @@ class Scene(Model):
     ) -> Traced:
         """Follow rays through the windows, exactly: through prisms and ideal sheets.
 
-        Objects do not stop them, and black tops let them pass as clear ones do. Positions are in tiles. A ray ends
-        after it has met `max_faces` faces of prisms or lenses. Where windows stand one behind the other (`Chess`,
-        `Spheres`), rays that do not pass every window end as `End.BESIDE`. If `partial`, a generator of random numbers,
-        is given, a face that refracts light also reflects a part of it (`optics.trace`). Otherwise reflection is only
-        total. With `path`, the result has the rays' whole paths: their `corners`, optical `length`, `jones` matrices
-        and a `table`. With `device="gl"`, the graphics library follows rays through prisms and lenses, with numbers of
-        32 bits: for at most 1000 steps from face to face in a window, and `faces` is empty. Raises InputError for a ray
-        that starts inside a window's sheets, for a `max_faces` that is not a whole number from 1 to 100,000, and for
-        what gl does not do: `partial`, `path`, and sheets of unequal prisms or lenses.
+        Objects do not stop them, but the windows' frames do. Positions are in tiles. A ray ends after it has met
+        `max_faces` faces of prisms or lenses. Where windows stand one behind the other (`Chess`, `Spheres`), rays that
+        do not pass every window end as `End.BESIDE`. If `partial`, a generator of random numbers, is given, a face that
+        refracts light also reflects a part of it (`optics.trace`). Otherwise reflection is only total. With `path`, the
+        result has the rays' whole paths: their `corners`, optical `length`, `jones` matrices and a `table`. With
+        `device="gl"`, the graphics library follows rays through prisms and lenses, with numbers of 32 bits: for at most
+        1000 steps from face to face in a window, and `faces` is empty. Raises InputError for a ray that starts inside a
+        window's sheets, for a `max_faces` that is not a whole number from 1 to 100,000, and for what gl does not do:
+        `partial`, `path`, and sheets of unequal prisms or lenses.
         """
         if device not in ("numpy", "gl"):
             raise ValueError(f"device = {shown(device)}: allowed: 'numpy' or 'gl'")

@@ -178,7 +178,7 @@ def of_rays(window: Opening) -> tuple[dict[str, int | str], dict[str, Any]]:
         defines["PROFILE_EDGES"] = len(profile.edges)
     if window.outline.is_round:
         defines["ROUND_WINDOWS"] = 1
-    return defines, _windows([window], to_live()) | {"blackTops": [False], "designedPath": path, "starts": 0, "ways": 1}
+    return defines, _windows([window], to_live()) | {"designedPath": path, "starts": 0, "ways": 1}
 
 
 def _windows(openings: Sequence[Opening], laws: Sequence[Text]) -> dict[str, Any]:
@@ -204,7 +204,7 @@ def _windows(openings: Sequence[Opening], laws: Sequence[Text]) -> dict[str, Any
         "windowHalf": [[side / 2 for side in opening.outline[:2]] for opening in openings],
         "windowRound": [opening.outline.is_round for opening in openings],
         "windowDepth": [opening.frame for opening in openings],
-        "windowFramed": [opening.framed for opening in openings],
+        "windowFramed": [opening.rim > 0 for opening in openings],
         "sheetCounts": [len(each) for each in windows],
         "sheetTurns": [(cos(layer.angle), sin(layer.angle)) for layer in layers],
         "sheetAxes": [layer.axes.tolist() for layer in layers],
@@ -218,7 +218,7 @@ def _windows(openings: Sequence[Opening], laws: Sequence[Text]) -> dict[str, Any
         "prismHalves": [shape.length / shape.pitch / 2 for shape in shapes],
         "slants": [(cos(base), sin(base)) for base in slants],
         "glassIndices": [shape.index for several in own for shape in several[:2]],
-        "blackTops": [sheet.values.get("tops") == "black" for sheet in sheets],
+        "blackTops": [prism.black for prism in prisms],
     } | _edges([*map(_profile, openings)])
 
 

@@ -119,8 +119,8 @@ def _aims(opening: Opening, eye: Vector, side: int, rng: np.random.Generator) ->
 
 
 def _level(found: Traced) -> int:
-    """Return the least trace level that loses few rays. Those that meet the frame, or no prism, do not count."""
-    faces = found.count[(found.count > 0) & (found.end != trace.End.FRAME)]
+    """Return the least trace level that loses few rays, of those that neither a frame nor a black top stops."""
+    faces = found.count[(found.count > 0) & ~np.isin(found.end, (trace.End.FRAME, trace.End.ABSORBED))]
     # 0.75 is a margin: pictures can lose a larger fraction than this sample
     lost = max(1, int(0.75 * MAX_LOST_FRACTION * len(faces)))
     return int(np.sort(faces)[-lost]) + 1 if len(faces) else 0

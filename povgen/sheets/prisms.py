@@ -107,7 +107,15 @@ def check_ranges(errors: Mapping[str, float], allowed: Sequence[str], of: str) -
             raise ValueError(f"error: {name} = {value:g}; allowed: {least:g} to {most:g}{unit and ' '}{unit}")
 
 
-SHAPE = ("index", "glass", "design_wavelength", "base_angle", "gap", "aspect")  # decide a prism's, beside its pitch
+SHAPE = (
+    "index",
+    "glass",
+    "design_wavelength",
+    "base_angle",
+    "gap",
+    "aspect",
+    "tops",
+)  # decide a prism's, beside its pitch
 
 
 def shape_of(values: Mapping[str, Any], pitch: float) -> Prism:
@@ -115,7 +123,8 @@ def shape_of(values: Mapping[str, Any], pitch: float) -> Prism:
 
     The prisms are made for the design wavelength, at which they have the stated aspect.
     """
-    made = Prism(pitch, design_index(values), values["base_angle"], values["gap"], values["aspect"])
+    black = values["tops"] == "black"
+    made = Prism(pitch, design_index(values), values["base_angle"], values["gap"], values["aspect"], black)
     return made.with_length_kept(index=values["index"])
 
 

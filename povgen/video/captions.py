@@ -144,11 +144,7 @@ def _moving_parts(scenes: Sequence[Scene]) -> list[list[str]]:
     common = set.intersection(*({*type(scene).model_fields} for scene in scenes))
     for scene, row in zip(scenes, rows, strict=True):
         for part, model in {"": scene, **scene.parts}.items():
-            unused = (
-                PARAMETERS.keys() - {each.name for each in model.optics.parameters}
-                if isinstance(model, Window)
-                else set()
-            )
+            unused = model.without_effect if isinstance(model, Window) else set()
             numbers = {name: x for name, x in model if type(x) in (int, float) and name not in unused}
             row |= {(part, name): x for name, x in numbers.items() if part or name in common}
             about |= {(part, name): field.description or "" for name, field in type(model).model_fields.items()}

@@ -10,6 +10,7 @@ from povgen import Chess, Eye, Room, Window, render
 from povgen.inputs import hdr
 from povgen.measure import verify_rooms
 from povgen.measure.opengl import OpenGLView
+from povgen.optics.trace import End
 from povgen.rendering import light
 from povgen.scene.traced_rays import HOLD_OUT
 
@@ -33,8 +34,10 @@ def test_both_renderers_and_the_ray_trace_agree_on_a_random_room(seed):
     found = view.picture((160, 120), verify_rooms.SHADOW_RAYS, part=0).astype(int)
     assert differing(found, picture(room, "povray", (160, 120))) < 0.005
     off, traced = verify_rooms.directions(room, view, SIZE)
-    passes = (traced.end <= 1) & (traced.windows >= 0).any(-1) & np.isfinite(off) & traced.designed
+    passes = (traced.end <= End.BACK) & (traced.windows >= 0).any(-1) & np.isfinite(off) & traced.designed
     assert passes.sum() > 20 and (off[passes] < 1e-3).mean() >= 0.998
+    framed = traced.end == End.FRAME
+    assert framed[np.isnan(off)].all() and framed[np.isfinite(off)].mean() < 0.01  # which has no bevels
 
 
 @pytest.mark.parametrize("renderer", RENDERERS)

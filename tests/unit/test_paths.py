@@ -84,6 +84,19 @@ def test_a_point_is_seen_beside_and_through_a_window():
     assert [each.windows for each in room.images((0.1, 0.1, -2))] == [()]  # before the windows
 
 
+@pytest.mark.parametrize("outline", ["rectangle", "round"])
+def test_a_frame_hides_what_is_behind_it(outline):
+    """Its sides are 0.15 tiles wide, of a window whose opening ends at x = 0.5; the eye is far away."""
+    room = Room([Window(sheet="none", width=1, outline=outline)], eye=Eye(z=-500))
+    for x, windows in ((0.48, ("window1",)), (0.52, None), (0.63, None), (0.67, ())):
+        for z, seen in ((2, windows), (-2, ())):
+            assert [each.windows for each in room.images((x, 0, z))] == ([] if seen is None else [seen])
+    bare = room.replace(window=room.window[0].replace(frame=False))
+    assert [each.windows for each in bare.images((0.52, 0, 2))] == [()]
+    behind = room.replace(window=[Window(sheet="none", width=2, z=-1), Window(sheet="none", width=1, name="far")])
+    assert [len(behind.images((x, 0, 2))) for x in (0.48, 0.55, 0.7)] == [1, 0, 1]
+
+
 def test_a_path_may_have_as_many_windows_as_a_room():
     room = Room([Window(z=z, alpha=5) for z in range(20)], eye=Eye(z=-6))
     (image,) = room.images((0.2, 0.1, 22))

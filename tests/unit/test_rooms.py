@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from povgen.optics.opening import Opening
+from povgen.optics.outline import Outline
 from povgen.optics.pose import Pose
 from povgen.optics.rays import Bundle
 from povgen.optics.trace import End
@@ -126,3 +127,24 @@ def test_light_that_starts_behind_a_sheet_in_its_frame_has_not_passed_it():
         found = trace_windows(Bundle((0.1, 0.1, 0.29), (0.2, 0.1, 1)), [Opening(Pose(), glass, 0.6)])
         assert found.end == End.THROUGH and not found.designed and found.windows == -1
         assert (found.direction == Bundle((0, 0, 0), (0.2, 0.1, 1)).direction).all()
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("name", ["ideal", "single"])
+def test_a_frame_stops_light_from_outside(name, way):
+    """A window 2 wide and 1 high, its frame 0.15 wide and 0.4 deep."""
+    opening = Opening(Pose(yaw=25), sheet(name, 2, prisms=100), 0.4, Outline(2, 1), 0.15)
+    aims = [
+        ((1.02, 0, -0.2), (0, 0, 1)),  # through its front, at each end
+        ((1.14, 0, -0.2), (0, 0, 1)),
+        ((0, 0.64, -0.2), (0, 0, 1)),
+        ((1.05, 0, -0.2), (-0.6, 0, 1)),  # towards the opening's middle plane
+        ((1.15, 0, 0.1), (-1, 0, 0.3)),  # through its side
+        ((0.98, 0, -0.2), (0, 0, 1)),  # through the opening
+        ((1.16, 0, -0.2), (0, 0, 1)),  # beside it
+    ]
+    place, to = np.array(aims).transpose(1, 0, 2) * [1, 1, way]
+    bundle = Bundle(*opening.pose.scene(place - 9 * to, to))
+    ends = [*trace_windows(bundle, [opening]).end]
+    assert ends[:5] == [End.FRAME] * 5 and ends[5:] == [End.THROUGH, End.BESIDE]
+    assert trace_windows(bundle, [opening._replace(rim=0)]).end[1] == End.BESIDE

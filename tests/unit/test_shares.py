@@ -1,7 +1,7 @@
 """Shares of the rays that meet a window."""
 
 import re
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
@@ -80,14 +80,19 @@ def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
 def test_rays_meet_tops_from_inside_and_from_the_gap():
     """By hand: a ray that the base reflects up to the top of a long prism, and one that runs down through the gap."""
     prism = Prism(WINDOW / 10, gap=0.2, aspect=1.5)
-    sheet = (GlassSheet(0.0, 0.0, prism),)
     base = -WINDOW / 2 + prism.gap * prism.pitch / 2 + 5 * prism.pitch  # of a prism in the middle
-    inside = trace([[0, base + 0.1 * prism.height, -1]], [[0, 0, 1]], sheet, WINDOW)
-    assert list(inside.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.TOP]
+    up = [0, base + 0.1 * prism.height, -1], [0, 0, 1]
     width, edge = prism.pitch - prism.height, prism.top_length / 2  # at z = -edge it is in the middle of the gap
     slope = -width / 2 / edge
     start = base + prism.height + width / 2 + slope * (edge - 1)
-    gap = trace([[0, start, -1]], [[0, slope, 1]], sheet, WINDOW)
-    assert gap.faces[0, 0] == Face.TOP
-    assert shares(inside, True).absorbed == shares(gap, True).absorbed == 1
-    assert shares(inside).absorbed == shares(gap).absorbed == 0
+    down = [0, start, -1], [0, slope, 1]
+    designed = [0, base + 0.9 * prism.height, -1], [0, 0, 1]
+    starts, ways = zip(up, down, designed, strict=True)
+    clear, black = (
+        trace(starts, ways, (GlassSheet(0.0, 0.0, replace(prism, black=black)),), WINDOW) for black in (False, True)
+    )
+    assert list(clear.faces[0, :3]) == [Face.NEAR, Face.BASE, Face.TOP] and clear.faces[1, 0] == Face.TOP
+    assert [*clear.end] == [End.THROUGH] * 3 and [*black.end] == [End.ABSORBED] * 2 + [End.THROUGH]
+    assert black.position[:2, 1] == pytest.approx([base + prism.height] * 2)
+    assert black.direction[1] == pytest.approx(np.array(ways[1]) / np.hypot(1, slope))
+    assert shares(black).absorbed == 2 / 3 and shares(clear).absorbed == 0
