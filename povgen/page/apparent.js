@@ -4,7 +4,7 @@
 import * as geometry from "../liveview/geometry.js";
 import { depth } from "../liveview/presets.js";
 import { bending, hasPrisms } from "../liveview/sheets.js";
-import { abs, conj, determinant, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
+import { abs, conj, determinant, dot, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 
 /** @typedef {number[]} Point */
 
@@ -230,7 +230,6 @@ export function closest(start, L, at) {
   for (let step = 0; step < 60 && finite(f) && abs(f) > 0; step++) {
     const h = 1e-7 * (1 + abs(s));
     const [a, b] = [[h, 0], [0, h]].map((d) => scaled(1 / h, minus(miss(plus(s, d)), f)));
-    const dot = (u, v) => times(conj(u), v)[0];
     const p = dot(a, a) * (1 + damping), r = dot(b, b) * (1 + damping), ab = dot(a, b);
     const [ga, gb] = [dot(a, f), dot(b, f)], size = p * r - ab ** 2;
     const change = [-(r * ga - ab * gb) / size, -(p * gb - ab * ga) / size];

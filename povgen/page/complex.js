@@ -10,6 +10,8 @@ export const times = (a, b) => [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * 
 export const scaled = (k, a) => [k * a[0], k * a[1]];
 /** @type {(a: number[]) => any} */
 export const conj = (a) => [a[0], -a[1]];
+/** @type {(a: number[], b: number[]) => number} */
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1];
 export const abs = (a) => Math.hypot(a[0], a[1]);
 export const arg = (a) => Math.atan2(a[1], a[0]);
 /** @type {(angle: number) => any} */

@@ -5,7 +5,7 @@ import * as geometry from "../liveview/geometry.js";
 import { depth, distances, hasPiece, radius, windows } from "../liveview/presets.js";
 import { hasPrisms } from "../liveview/sheets.js";
 import { crossing, crossings, following, landing, meets, pole } from "./apparent.js";
-import { abs, arg, determinant, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
+import { abs, arg, determinant, dot, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
 import { clamped, data, pick } from "./data.js";
 import * as equations from "./equations.js";
 import { outlineOf, within } from "./outline.js";
@@ -123,20 +123,24 @@ export function appearance(now) {
 const shownSteps = (now) => [[1e-3, 0], [0, 1e-3]].map((h) => scaled(500, minus(apparentPosition(now, plus(now.L, h)), apparentPosition(now, minus(now.L, h)))));
 
 // How an eye with a pupil sees the object: povgen/scene/pupil.py. The slope of the object's light changes with the place where it
-// enters the pupil: `light` has the columns of this linear map, with the other sign, 1/tile. For light of a point at the distance
-// f it is 1/f. `best` is 1 / the distance that blurs the object least: NaN if it has no image, then the focus is in the window.
+// enters the pupil, as a linear map with the other sign, 1/tile. For light of a point at the distance f this map is 1/f times the
+// identity. `light` has the columns of the first map, and `same` those of the identity, as angles in place of slopes. `best` is 1 /
+// the distance that blurs the object least: NaN if it has no image, then the focus is in the window.
 function focusing({ windows, E, place, z1, z2 }) {
-  const slope = scaled(1 / z2, minus(place, E));
+  const slope = scaled(1 / z2, minus(place, E)), r = Math.hypot(1, ...slope);
+  const angle = (step) => scaled(1 / r, minus(step, scaled(dot(slope, step) / (r * (1 + r)), slope)));
   const end = (aside, s) => landing(following(windows, plus(E, aside), z2)(plus(slope, s)), windows, z1) ?? [NaN, NaN];
   const columns = (ends) => [[STEP, 0], [0, STEP]].map((h) => scaled(0.5 / STEP, minus(ends(h), ends(scaled(-1, h)))));
   const bySlope = columns((h) => end([0, 0], h));
-  const light = columns((h) => end(h, [0, 0])).map((column) => resolved(column, bySlope));
-  const best = light.every(finite) ? Math.max(0, (light[0][0] + light[1][1]) / 2) : NaN;
-  return { light, best, focus: state.focus === "best" ? 1 / (Number.isNaN(best) ? 1 / z2 : best) : state.focus };
+  const light = columns((h) => end(h, [0, 0])).map((column) => angle(resolved(column, bySlope))), same = [[1, 0], [0, 1]].map(angle);
+  const summed = (columns) => dot(columns[0], same[0]) + dot(columns[1], same[1]);
+  const best = light.every(finite) ? Math.max(0, summed(light) / summed(same)) : NaN;
+  return { light, same, best, focus: state.focus === "best" ? 1 / (Number.isNaN(best) ? 1 / z2 : best) : state.focus };
 }
 
 // The RMS angle by which the pupil blurs each point of the object, if the eye is focused at the distance 1/near, radians.
-export const pupilBlur = ({ scene, light: [a, b] }, near) => (scene.pupil / 4) * Math.hypot(a[0] - near, a[1], b[0], b[1] - near);
+export const pupilBlur = ({ scene, light, same }, near) =>
+  (scene.pupil / 4) * Math.hypot(...light.flatMap((column, k) => minus(column, scaled(near, same[k]))));
 
 // How the object must move, in tiles, to appear to move by `step`.
 export function objectStep(now, step) {

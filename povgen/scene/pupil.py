@@ -51,7 +51,8 @@ def best_focus(scene: Scene) -> float:
 
 
 def _best(scene: Scene) -> float:
-    found = float(-np.trace(light_of_object(scene)) / 2)
+    turns = turns_by_slope(_slope_of_object(scene))
+    found = float(-(turns * (turns @ light_of_object(scene))).sum() / (turns**2).sum())
     return 0.0 if found < LEAST else found
 
 
@@ -60,13 +61,26 @@ def distance(camera: Camera) -> float:
     return float(np.subtract(camera.middle, camera.eye) @ np.cross(camera.right, camera.up))
 
 
-def rms(change: ArrayLike, pupil: float, inverse_focus: ArrayLike) -> Floats:
-    """Return the RMS angle by which a pupil of this diameter, tiles, blurs a point, radians.
+def turns_by_slope(slope: complex) -> Floats:
+    """Return the derivative (2, 2) of the angle by which light turns, radians, by its slope.
 
-    `change` (..., 2, 2) is A, and `inverse_focus` 1 / the distance of the focus. For small angles.
+    The slope, x + iy, is from the normal of the picture's plane: the derivative is 1 / (1 + abs(slope)^2) along the
+    slope, and the square root of this perpendicular to it.
     """
-    off = np.asarray(change) + np.asarray(inverse_focus)[..., None, None] * np.eye(2)
-    return np.asarray(pupil / 4 * np.sqrt((off**2).sum((-2, -1))))
+    s = np.array((slope.real, slope.imag))
+    r = np.sqrt(1 + s @ s)
+    return np.asarray((np.eye(2) - np.outer(s, s) / (r * (1 + r))) / r)
+
+
+def blur(scene: Scene) -> Floats:
+    """Return the derivative (2, 2) of a ray's angular error by its place in the pupil, radians / tile: 0 if sharp."""
+    off = light_of_object(scene) + inverse_focus(scene) * np.eye(2)
+    return np.asarray(turns_by_slope(_slope_of_object(scene)) @ off)
+
+
+def rms(scene: Scene) -> float:
+    """Return the RMS angle by which the pupil blurs a point of the first object, radians."""
+    return float(scene.pupil / 4 * np.linalg.norm(blur(scene)))
 
 
 @lru_cache(maxsize=256)  # a movie's frames ask several times
@@ -78,13 +92,12 @@ def light_of_object(scene: Scene) -> Floats:
     seen, nothing = first_image(scene), np.full((2, 2), np.nan)
     if seen is None or not np.isfinite(seen[1]):
         return nothing
-    point, position, names = seen
-    camera, far, every = scene.camera, distance(scene.camera), paths(scene)
+    point, _, names = seen
+    camera, every, middle = scene.camera, paths(scene), _slope_of_object(scene)
     sides = np.array((camera.right, camera.up))
     # rays beside the one to the eye: other places in the pupil, and other slopes
     x, y, sx, sy = np.vstack((np.zeros(4), _STEP * np.eye(4), -_STEP * np.eye(4))).T
     start = camera.eye + np.stack((x, y), -1) @ sides
-    middle = (position - complex(*(sides @ np.subtract(camera.eye, camera.middle)))) / far  # from straight ahead
     way = np.stack((middle.real + sx, middle.imag + sy), -1) @ sides + np.cross(*sides)
     for name in names:
         start, way = every.cross(every.names.index(name), start, way, framed=False)
@@ -93,6 +106,14 @@ def light_of_object(scene: Scene) -> Floats:
     end = start + part[:, None] * way
     across = (end[1:5] - end[5:]).T / (2 * _STEP)  # (3, 4): by x, y, sx and sy
     return np.asarray(-np.linalg.pinv(across[:, 2:]) @ across[:, :2]) if np.isfinite(across).all() else nothing
+
+
+def _slope_of_object(scene: Scene) -> complex:
+    """Return the slope of the light of `first_image`, from straight ahead; NaN if there is none."""
+    if (seen := first_image(scene)) is None:
+        return complex(np.nan, np.nan)
+    camera, sides = scene.camera, np.array((scene.camera.right, scene.camera.up))
+    return complex(seen[1] - complex(*(sides @ np.subtract(camera.eye, camera.middle)))) / distance(camera)
 
 
 def first_image(scene: Scene) -> tuple[Sequence[float], complex, Sequence[str]] | None:

@@ -118,7 +118,7 @@ def traced_image(scene: AxialScene) -> TracedImage:
 class Entering(NamedTuple):
     """Light of a point of the first object that enters the pupil on the designed path, by the ray trace.
 
-    Both are errors of the slopes of single rays, x + iy, for the focused eye: for small angles these are radians.
+    Both are errors of the directions of single rays, x + iy, radians, for the focused eye.
     """
 
     by_pupil: Complexes  # linear in the position in the pupil, as defocus is; all of it if there are no prisms
@@ -152,11 +152,14 @@ def entering(scene: AxialScene, rays: int = RAYS) -> Entering:
     _, a, b = fitted[:3]
     size = abs(a) ** 2 - abs(b) ** 2
 
-    def missed(places: Complexes) -> Complexes:
-        """Return the slopes that make up for places beside the point."""
-        return np.asarray((b * places.conj() - a.conjugate() * places) / size)
+    turns = pupil.turns_by_slope((centre - scene.E) / scene.z2)
 
-    by_pupil = missed(basis[:, 3:] @ fitted[3:]) + aside * pupil.inverse_focus(scene)
+    def missed(places: Complexes, focus: Complexes | float = 0) -> Complexes:
+        """Return the angles that make up for places beside the point, and for the slopes of the focus."""
+        slopes = (b * places.conj() - a.conjugate() * places) / size + focus
+        return np.asarray((1, 1j) @ turns @ (slopes.real, slopes.imag))
+
+    by_pupil = missed(basis[:, 3:] @ fitted[3:], aside * pupil.inverse_focus(scene))
     rest = missed(place - basis @ fitted)
     return Entering(by_pupil, rest) if scene.has_prisms else Entering(by_pupil + rest, 0 * rest)
 
@@ -166,14 +169,13 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
     """Return the modulation transfer function for light of the scene's first object: 1 if sharp, 0 without contrast.
 
     `frequencies` are in cycles per degree as the eye sees them, of stripes that are perpendicular to `direction`,
-    degrees counter-clockwise from x. Field angles are small: slopes count as radians. The pupil and the prisms count;
-    the diffraction of light does not. If all ideal sheets have ray-transfer matrices, and the window hides no light, it
-    is abs(2 J1(x) / x) of a disc: for sheets that rotate light, x = pi * pupil * abs(1/f - 1/Z) * the frequency in
-    cycles per radian (`povgen.scene.pupil`). Where x exceeds MOST_X, and the function is below 6e-5, it is 0. Otherwise
-    it is the mean of MTF_RAYS traced rays, of which n take the designed path: its standard error is below 1 / sqrt(n),
-    mostly 0.005. NaN if too little light on the designed path shows the object. Raises InputError for other scenes than
-    Chess and Spheres, for frequencies that are negative or not finite, and for a direction that is not one finite
-    number.
+    degrees counter-clockwise from x. The pupil and the prisms count; the diffraction of light does not. If all ideal
+    sheets have ray-transfer matrices, and the window hides no light, it is abs(2 J1(x) / x) of a disc: for sheets that
+    rotate light, and an object straight ahead, x = pi * pupil * abs(1/f - 1/Z) * the frequency in cycles per radian
+    (`povgen.scene.pupil`). Where x exceeds MOST_X, and the function is below 6e-5, it is 0. Otherwise it is the mean of
+    MTF_RAYS traced rays, of which n take the designed path: its standard error is below 1 / sqrt(n), mostly 0.005. NaN
+    if too little light on the designed path shows the object. Raises InputError for other scenes than Chess and
+    Spheres, for frequencies that are negative or not finite, and for a direction that is not one finite number.
     """
     scene, along = checked_axial(scene, "mtf"), np.radians(real("direction", direction))
     with np.errstate(over="ignore"):
@@ -184,8 +186,7 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
         raise ValueError("direction: allowed: one finite number, degrees")
     linear = not scene.has_prisms and apparent.matrix(scene.elements) is not None
     if linear and len(entering(scene).by_pupil) == RAYS:
-        off = pupil.light_of_object(scene) + pupil.inverse_focus(scene) * np.eye(2)
-        x = np.pi * scene.pupil * cycles * np.linalg.norm((np.cos(along), np.sin(along)) @ off)
+        x = np.pi * scene.pupil * cycles * np.linalg.norm((np.cos(along), np.sin(along)) @ pupil.blur(scene))
         # the part of a disc at the distance cos(angle) from a diameter goes as sin(angle): Gauss and Chebyshev
         angle = np.pi * np.arange(1, MOST_X) / MOST_X
         found = 2 / MOST_X * (np.sin(angle) ** 2 * np.cos(x * np.cos(angle))).sum(-1)
@@ -196,8 +197,8 @@ def mtf(scene: AxialScene, frequencies: ArrayLike, direction: float = 0) -> Floa
     return np.asarray(abs(np.exp(2j * np.pi * cycles * turned.real).mean(-1)))
 
 
-def _rms_arcmin(slopes: Complexes) -> float:
-    return float(np.sqrt(np.mean(abs(slopes) ** 2)) / ARCMINUTE) if len(slopes) else np.nan
+def _rms_arcmin(angles: Complexes) -> float:
+    return float(np.sqrt(np.mean(abs(angles) ** 2)) / ARCMINUTE) if len(angles) else np.nan
 
 
 def _spread(scene: AxialScene) -> float:
@@ -296,7 +297,7 @@ QUANTITIES = {
         in_rooms=True,
     ),
     "pupil_blur": Quantity(
-        lambda scene: pupil.rms(pupil.light_of_object(scene), scene.pupil, pupil.inverse_focus(scene)) / ARCMINUTE,
+        lambda scene: pupil.rms(scene) / ARCMINUTE,
         "arcminutes",
         "RMS blur of a point by the pupil, as predicted; a radius, with the parameter focus",
         in_rooms=True,

@@ -265,9 +265,9 @@ def test_what_a_pupil_blurs_is_said(page):
     for alpha, focus, said in (
         (0, "best", "The eye is focused at 8 tiles: its pupil does not blur the knight."),
         (180, "best", "The eye is focused at 4 tiles: its pupil does not blur the knight."),
-        (180, 6, "its pupil blurs each point of the knight by 30.4′ (arcminutes, RMS), but not at 4 tiles."),
-        (90, "best", "by 18.2′ (arcminutes, RMS), and no focus makes it sharp."),
-        (-90, 6, "by 19.2′ (arcminutes, RMS), and no focus makes it sharp."),
+        (180, 6, "its pupil blurs each point of the knight by 29.4′ (arcminutes, RMS), but not at 4 tiles."),
+        (90, "best", "by 18.0′ (arcminutes, RMS), and no focus makes it sharp."),
+        (-90, 6, "by 19.0′ (arcminutes, RMS), and no focus makes it sharp."),
     ):
         assert said in sentence(page, alpha=alpha, pupil=0.3, focus=focus)
     eye = "((each) => [each.pupil, each.inverse_focus])(otherScene(moment()))"  # to the right of the curtain

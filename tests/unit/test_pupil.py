@@ -40,9 +40,38 @@ def test_a_rotating_sheet_blurs_by_the_closed_form(values):
     Z = complex(equations.depth(scene.distances[0], scene.z2, np.radians(scene.alpha), scene.behind))
     table = results([scene, scene.replace(focus=3)], "best_focus", "pupil_blur", "seen_blur", progress=False)
     assert table["best_focus"] == pytest.approx(1 / (1 / Z).real)
-    expected = 0.04 / 8**0.5 * np.array([abs((1 / Z).imag), abs(1 / Z - 1 / 3)]) / ARCMINUTE
+    size = 1 + abs((scene.apparent_position(*scene.objects[0]) - scene.E) / scene.z2) ** 2  # the secant squared
+    angles = np.sqrt((1 / size + 1 / size**2) / 2)
+    expected = 0.04 / 8**0.5 * angles * np.array([abs((1 / Z).imag), abs(1 / Z - 1 / 3)]) / ARCMINUTE
     assert table["pupil_blur"] == pytest.approx(expected)
     assert table["seen_blur"] == pytest.approx(expected, rel=0.01)
+
+
+def test_a_blur_is_an_angle_also_far_from_the_normal():
+    """Between a ray that enters the pupil anywhere and the one that the focus expects there."""
+    scene = Chess(sheet="ideal", z1=1, alpha=40, z2=1.5, eye=(1.2, 0.5), pupil=0.04)
+    Z = complex(equations.depth(1, 1.5, np.radians(40)))
+    slope = (scene.apparent_position(*scene.objects[0]) - scene.E) / scene.z2
+    assert abs(slope) > 0.7
+    place = 0.02 * pupil.places(5000)
+    across = 1j * slope / abs(slope)
+
+    def directions(slopes):
+        found = np.stack((slopes.real, slopes.imag, slopes.real**0), -1)
+        return found / np.linalg.norm(found, axis=1, keepdims=True)
+
+    for focus in (3, "best"):
+        focused = scene.replace(focus=focus)
+        table = results(focused, "best_focus", "pupil_blur", "seen_blur", progress=False)
+        near = pupil.inverse_focus(focused)
+        off = directions(slope - place / Z) - directions(slope - place * near)
+        blur = np.sqrt((off**2).sum(1).mean()) / ARCMINUTE
+        assert table["best_focus"] == pytest.approx(1 / (1 / Z).real)
+        assert table["pupil_blur"] == pytest.approx(blur, rel=1e-3)
+        assert table["seen_blur"] == pytest.approx(blur, rel=0.01)
+        aside = off @ (across.real, across.imag, 0)  # perpendicular to the light
+        contrast = abs(np.exp(2j * np.pi * np.degrees(4) * aside).mean())
+        assert mtf(focused, 4, np.degrees(np.angle(across))) == pytest.approx(contrast, abs=0.002)
 
 
 def test_prisms_and_pupil_blur_together():
@@ -74,7 +103,7 @@ def test_a_room_is_focused_on_its_first_object_that_is_seen():
 
 def test_mtf_is_that_of_a_disc(monkeypatch):
     """2 J1(x) / x, by its series: the pupil is a disc, and the blur through a rotating sheet is one, too."""
-    scene, frequencies = Chess(sheet="ideal", pupil=0.04, **METRE), np.array([0, 2, 5, 9, 10, 50.0])
+    scene, frequencies = Spheres(sheet="ideal", line=(0, 0), pupil=0.04, **METRE), np.array([0, 2, 5, 9, 10, 50.0])
     x = np.pi * 0.04 * abs((1 / (10 + 10j)).imag) * np.degrees(frequencies)
     disc = abs(sum((-1) ** k / (factorial(k) * factorial(k + 1)) * (x / 2) ** (2 * k) for k in range(60)))
     assert disc[-2:] == pytest.approx([0.053, 0.021], abs=5e-4)
