@@ -165,7 +165,7 @@ def test_on_a_phone_the_picture_stays_in_sight_and_on_a_notebook_the_buttons_of_
     assert page.evaluate(at_eye) == ["eye-diagram"]  # and not the choice of the diagram's orientation
     page.evaluate("choose('en'); draw()")
     resize(page, (1280, 650))
-    show(page, question=6)
+    show(page, question=2)
     expect(page.locator("#next")).to_be_in_viewport(ratio=1)
 
 
@@ -253,7 +253,7 @@ def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):
     assert page.locator("#space-turn").bounding_box()["height"] > 150
     resize(page, (1366, 768))
     page.evaluate("work.answers.parallax = { given: '0', first: false, shown: true }; work.rows.length = 0")
-    show(page, question=6, level="simple")
+    show(page, question=2, level="simple")
     page.evaluate("draw()")
     assert page.locator("#space-turn").bounding_box()["height"] > 80
     expect(page.locator("#show-large")).to_be_in_viewport(ratio=1)
