@@ -129,7 +129,7 @@ def _check_scene(scene: Scene, source: ArrayLike | Card, diameter: float, z: flo
     if len({bool(opening.pose.z < z) for opening in scene.openings}) > 1:
         raise ValueError(f"z = {z:g}: between the windows; allowed: all windows on one side of the screen")
     for opening in scene.openings:
-        sizes = opening.outline.width, opening.outline.height, opening.deep.frame
+        sizes = opening.outer.width, opening.outer.height, opening.deep.frame
         depth = abs(opening.pose.axes[:, 2]) @ sizes / 2  # half of its extent along z
         if abs(z - opening.pose.z) < depth:
             raise ValueError(f"z = {z:g}: within a window's frame; allowed: {depth:.3g} tiles or more from its middle")

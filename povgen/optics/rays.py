@@ -162,8 +162,9 @@ class Traced(_Lines, Rays):
 
     @property
     def jones(self) -> Complexes:
-        """What the faces do to the field of each ray's light, (..., 2, 2): `ray_path.jones`."""
-        return ray_path.jones(*self._path)
+        """What the faces do to the field of each ray's light, (..., 2, 2): `ray_path.jones`; 0 for absorbed light."""
+        passes = (self.end != End.ABSORBED)[..., None, None]
+        return np.where(passes, ray_path.jones(*self._path), 0)
 
     def table(self) -> dict[str, NDArray[Any]]:
         """Return a table of all corners of the paths: `ray_path.table`."""

@@ -401,19 +401,18 @@ class _Trace:
         dy, dz = self.dy[i], self.dz[i]
         along = nu * dy + nz * dz  # positive for a ray that leaves the prism
         square = 1 - eta**2 * (1 - along**2)
-        reflected = square < 0  # totally
+        stops = face == Face.TOP if self.black else np.zeros(len(i), bool)
+        reflected = (square < 0) & ~stops  # totally
         if self.partial:
             r_s, r_p = reflection(eta, 1, np.abs(along))
-            part = (np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2
+            part = np.where(stops, 0, (np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2)
             partly = ~reflected & (self.partial.uniform(size=len(i)) < part)
             self.rays.light[i] *= np.where(reflected | partly, part, 1 - part)
             self.rays.reflected[i[partly]] = True
             reflected |= partly
         change = np.where(reflected, -2 * along, np.copysign(np.sqrt(np.maximum(square, 0)), along) - eta * along)
-        scale = np.where(reflected, 1, eta)
-        if self.black:  # what a top absorbs keeps its direction
-            stops = face == Face.TOP
-            change, scale = np.where(stops, 0, change), np.where(stops, 1, scale)
+        # what a top absorbs keeps its direction
+        change, scale = np.where(stops, 0, change), np.where(reflected | stops, 1, eta)
         self.dx[i] *= scale
         self.dy[i] = scale * dy + change * nu
         self.dz[i] = scale * dz + change * nz

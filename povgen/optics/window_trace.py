@@ -26,6 +26,7 @@ _STARTS = (0, *(size * np.exp(0.25j * np.pi * n) for size in (0.3, 1.5) for n in
 MOST_FACES = 100_000
 PART = 16384  # rays that are followed at once through ideal sheets: their arrays stay in the processor's cache
 MOST_CROSSINGS = 100  # of windows, by one ray
+_SURFACE = 1e-9  # tiles: a ray that starts so near a frame's surface, and runs away from it, does not meet it
 AWAY = 5e-5  # tiles: so far behind a sheet a ray that leaves it starts, for another tracer
 # follows rays (n, 3) through a window of prisms or lenses, in its coordinates, as `trace.trace` does
 Follow = Callable[[Floats, Floats, Opening, Indices], Rays]
@@ -177,9 +178,9 @@ class _Way:
         else:
             self.bend(ahead, window, position, direction, ends)
             passed = np.flatnonzero(ahead & (ends == End.THROUGH))
-            way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
-            framed = window.outline.excludes(*(position + way[:, None] * direction)[:, :2].T)
-            ends[(ends == End.THROUGH) & framed] = End.FRAME
+        way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
+        framed = window.outline.excludes(*(position + np.maximum(way, 0)[:, None] * direction)[:, :2].T)
+        ends[(ends == End.THROUGH) & framed] = End.FRAME
         position, direction = window.pose.scene(position, direction)
         if self.path and not self.sheets[w] and not np.all(window.sheet.transfer == np.eye(5)):
             kind, air = np.full(len(passed), ray_path.IDEAL), np.ones(len(passed))
@@ -276,12 +277,15 @@ def nearest(
         some = np.flatnonzero(last != w)
         own = window.pose.own(taken(position, some), taken(direction, some))
         begins, ends = window.outer.passage(*own, window.frame)
-        closer = (begins <= ends) & (ends >= 0) & (begins < distance[some])
-        i = some[closer]
-        met[i], distance[i], rim[i] = w, np.maximum(begins[closer], 0), False
+        closer = np.flatnonzero((begins <= ends) & (ends >= 0) & (begins < distance[some]))
+        begins, framed = np.maximum(begins[closer], 0), np.zeros(len(closer), bool)
         if window.rim:
-            start, way = (taken(values, np.flatnonzero(closer)) for values in own)
-            rim[i] = window.outline.excludes(*(start + distance[i, None] * way)[:, :2].T)
+            start, way = (taken(values, closer) for values in own)
+            framed = window.outline.excludes(*(start + begins[:, None] * way)[:, :2].T)
+            meets = ~framed | (ends[closer] > _SURFACE)
+            closer, begins, framed = closer[meets], begins[meets], framed[meets]
+        i = some[closer]
+        met[i], distance[i], rim[i] = w, begins, framed
     return met, distance, rim
 
 

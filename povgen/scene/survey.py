@@ -41,7 +41,8 @@ class Inputs(NamedTuple):
 
 def inputs(scene: Scene, side: int = 60) -> Inputs:
     """Return everything on which a scene's survey depends."""
-    return Inputs(tuple(scene.openings), scene.camera.eye, side)
+    # the sides of frames do not end rays: pictures show them
+    return Inputs(tuple(opening._replace(rim=0.0) for opening in scene.openings), scene.camera.eye, side)
 
 
 def survey(scene: Scene, side: int = 60) -> Survey:

@@ -113,7 +113,8 @@ def file(openings: Sequence[Opening], camera: Camera, tile: int) -> File | None:
         return None
     # not of the pickled bytes: those of equal sheets differ if one of them has already computed its matrix
     known = repr([__version__, _numbers(camera), tile, *map(_stated, openings)])
-    return pictures.kept(f"rays-{sha256(known.encode()).hexdigest()}.inc", dumps(Rays(tuple(openings), camera, tile)))
+    openings = tuple(opening._replace(rim=0.0) for opening in openings)  # POV-Ray finds what meets the frames' sides
+    return pictures.kept(f"rays-{sha256(known.encode()).hexdigest()}.inc", dumps(Rays(openings, camera, tile)))
 
 
 def _stated(opening: Opening) -> list[object]:

@@ -27,7 +27,8 @@ from povgen.sheets.prisms import SHAPE, Prisms
 
 # in a piece's file: only POV-Ray shows them
 TEXTURES = {"pigment", "texture", "finish", "material"}
-UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they differ from their defaults
+# A warning states these, if they differ from their defaults. Tops do not change the designed path.
+UNUSUAL = (*(name for name in SHAPE if name != "tops"), "ratio", "f_number")
 
 
 def warnings(

@@ -40,6 +40,12 @@ def test_both_renderers_and_the_ray_trace_agree_on_a_random_room(seed):
     assert framed[np.isnan(off)].all() and framed[np.isfinite(off)].mean() < 0.01  # which has no bevels
 
 
+def test_no_pixel_is_black_beside_a_frame():
+    """POV-Ray's frame has a bevel: light passes there."""
+    room = Room([Window(alpha=30, width=8, z=3), Window(alpha=20, width=2, yaw=40)], eye=Eye(z=-6))
+    assert picture(room, "povray").max(-1).min() > 0
+
+
 @pytest.mark.parametrize("renderer", RENDERERS)
 @pytest.mark.parametrize("sheet", some(["ideal", "detailed"], 1))
 def test_a_room_like_a_preset_looks_like_it(sheet, renderer):

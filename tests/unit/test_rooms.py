@@ -148,3 +148,7 @@ def test_a_frame_stops_light_from_outside(name, way):
     ends = [*trace_windows(bundle, [opening]).end]
     assert ends[:5] == [End.FRAME] * 5 and ends[5:] == [End.THROUGH, End.BESIDE]
     assert trace_windows(bundle, [opening._replace(rim=0)]).end[1] == End.BESIDE
+    ended = trace_windows(bundle, [opening])[:5]
+    assert (trace_windows(Bundle(ended.position, -ended.direction), [opening]).end == End.BESIDE).all()
+    inside = Bundle(*opening.pose.scene(np.array([[0, 0.45, 0.19 * way]]), np.array([[0, 1, 0.01 * way]])))
+    assert trace_windows(inside, [opening]).end == End.FRAME  # from behind the sheet, to the side

@@ -96,3 +96,13 @@ def test_rays_meet_tops_from_inside_and_from_the_gap():
     assert black.position[:2, 1] == pytest.approx([base + prism.height] * 2)
     assert black.direction[1] == pytest.approx(np.array(ways[1]) / np.hypot(1, slope))
     assert shares(black).absorbed == 2 / 3 and shares(clear).absorbed == 0
+    sheet = (GlassSheet(0.0, 0.0, replace(prism, black=True)),)
+    split = trace(starts, ways, sheet, WINDOW, partial=np.random.default_rng(1))
+    assert [*split.end[:2]] == [End.ABSORBED] * 2 and split.light[1] == 1 and not split.reflected[1]
+
+
+def test_what_a_black_top_absorbs_has_no_field():
+    scene = Chess(sheet="single", tops="black", prisms=20, eye=(0.3, 1), z2=2)
+    rays = scene.trace(scene.rays((24, 24)), path=True)
+    absorbed = rays.end == End.ABSORBED
+    assert absorbed.sum() > 50 and (rays.jones[absorbed] == 0).all()
