@@ -99,6 +99,7 @@ def test_a_room_is_focused_on_its_first_object_that_is_seen():
     preset, room = Chess(sheet="ideal", alpha=90), Room([window, Sphere(x=99, z=-20), far])
     assert best_focus(room) == pytest.approx(best_focus(preset)) == pytest.approx(6 + 2 / 3)
     assert pupil.inverse_focus(Room([window])) == pytest.approx(1 / 6)  # no object: the picture's plane
+    assert best_focus(Room([Sphere(x=3, y=2, z=2)])) == pytest.approx(8)  # seen directly, from the side
 
 
 def test_mtf_is_that_of_a_disc(monkeypatch):
