@@ -49,7 +49,7 @@ def test_a_rotating_sheet_blurs_by_the_closed_form(values):
 
 def test_a_blur_is_an_angle_also_far_from_the_normal():
     """Between a ray that enters the pupil anywhere and the one that the focus expects there."""
-    scene = Chess(sheet="ideal", z1=1, alpha=40, z2=1.5, eye=(1.2, 0.5), pupil=0.04)
+    scene = Chess(sheet="ideal", z1=1, alpha=40, z2=1.5, eye=(1.2, 0.5), look=(0.7, -0.4), pupil=0.04)
     Z = complex(equations.depth(1, 1.5, np.radians(40)))
     slope = (scene.apparent_position(*scene.objects[0]) - scene.E) / scene.z2
     assert abs(slope) > 0.7
