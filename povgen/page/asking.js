@@ -255,7 +255,7 @@ function goTo(n) {
 }
 for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) $(id).addEventListener("click", () => goTo(offered()[offered().indexOf(state.question) + aside]));
 const list = $("question-list");
-list.addEventListener("beforetoggle", () => list.replaceChildren(...offered().map((n) => {
+list.addEventListener("beforetoggle", ({ newState }) => newState === "open" && list.replaceChildren(...offered().map((n) => {
   const open = () => {
     list.hidePopover();
     goTo(n);

@@ -105,6 +105,7 @@ $("delete-work").addEventListener("click", ({ target }) => {
   $("delete-work").hidePopover();
   if (target.id !== "delete-all") return;
   showOther(clear);
+  $("skip").click();  // the button Delete is gone
 });
 addEventListener("storage", (event) => event.key === key() && showOther(take));
 addEventListener("beforeunload", (event) => storage.refused && !isEmpty() && event.preventDefault());

@@ -22,12 +22,17 @@ export function explanation(now) {
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
 }
 
+// The same for those who do not see the picture: of a challenge, what the picture shows.
+function described(now) {
+  return isAsked() && QUESTIONS[state.question].goal ? [seen(now), ...limitsMet(now)].join(" ") : explanation(now);
+}
+
 // What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken first, and
 // alone if it was typed: then nothing has changed.
 export function heard(now) {
   const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
   if (limits.length) return [...limits, ...(session.refusals.length || isToBeFound() ? [] : [seen(now)])];
-  return [...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), explanation(now), pointsSaid(now), ...light];
+  return [...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), described(now), pointsSaid(now), ...light];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });
@@ -94,7 +99,7 @@ function blurSaid(now) {
 // The description of the picture for those who do not see it.
 export function describe(now) {
   const far = mountains(now);
-  return [settingSaid(now), pointsSaid(now), ...far, ...(far.length ? [say("describe.reason")] : []), explanation(now)].join(" ");
+  return [settingSaid(now), pointsSaid(now), ...far, ...(far.length ? [say("describe.reason")] : []), described(now)].join(" ");
 }
 
 // What is seen through what, and the numbers of the setting: nothing of what it looks like.

@@ -552,7 +552,7 @@ def test_a_linked_question_is_the_one_that_the_tab_opens(page):
     """It has the prisms and the curtain of its own, not those of the address."""
     page.evaluate("fromHash('#prisms=1&compare=single&question=half')")
     assert page.evaluate("[state.prisms, state.compare]") == [100, "off"]
-    assert page.evaluate("[state.question, session.lastQuestion]") == [4, 4]
+    assert page.evaluate("[state.question, session.lastQuestion]") == [5, 5]
     page.evaluate("fromHash('#question=upright')")
     assert page.evaluate("QUESTIONS[state.question].name") == "upright"
 

@@ -107,11 +107,11 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
 
     for n, wrong, right, reason in (
         (1, 2, 0, "if the sheets turned the light clockwise. It turns by 15.0° only"),
-        (4, "9 tiles", "12/2", "Farther from the sheets than your eye"),
-        (5, "2.11", "2.1", "seen smaller than that"),  # 2, within 0.1
+        (5, "9 tiles", "12/2", "Farther from the sheets than your eye"),
+        (6, "2.11", "2.1", "seen smaller than that"),  # 2, within 0.1
     ):
         page.evaluate("(n) => { openQuestion(n); draw(); }", n)
-        if n == 4:
+        if n == 5:
             predict("six")
             expect(answer).to_have_text("Type a number first.")
             predict("45 cm")
@@ -135,12 +135,12 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
     expect(outline).to_be_visible()
     page.evaluate("openQuestion(8); draw()")
     expect(outline).to_be_hidden()  # one point fills the window
-    page.evaluate("openQuestion(2); draw()")
+    page.evaluate("openQuestion(3); draw()")
     expect(outline).to_be_hidden()  # the mountains have none
     spoken = page.evaluate("reveal(); endGlide(); heard(moment())")
     assert len([text for text in spoken if "mountains" in text]) == 1
     page.evaluate("for (const n of [0, 14, 20]) { openQuestion(n); reveal(); }")  # without a prediction
-    page.evaluate("openQuestion(3); draw()")
+    page.evaluate("openQuestion(4); draw()")
     predict(0)
     expect(page.get_by_role("status").filter(has_text="1 of 4 right at the first try")).to_be_visible()
 
@@ -156,7 +156,7 @@ def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):
     assert sentence(page, z2=1000).endswith("answer. z₂ is at most 150.")
     assert sentence(page, windows=1, sheet="ideal", z1=0.1).endswith("the piece would touch the frame.")
 
-    page.evaluate("openQuestion(6); reveal()")
+    page.evaluate("openQuestion(2); reveal()")
     assert "floats 2 tiles in front" in sentence(page)
 
 

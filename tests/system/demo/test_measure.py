@@ -263,6 +263,7 @@ def test_work_survives_the_page(browser, demo_file):
     assert page.evaluate("isEmpty()") is False
     page.locator("#questions .kept").get_by_role("button", name="Delete").click()
     page.locator("#delete-all").click()
+    expect(page.locator("#tab-questions")).to_be_focused()
     expect(page.locator("#answer")).to_be_empty()
     expect(page.get_by_role("button", name="Reveal")).to_be_visible()
     assert again() == [0, 0, 0] and page.evaluate("work.student") == ""

@@ -123,6 +123,7 @@ def test_a_challenge_is_done_when_the_settings_rest_where_its_goal_is(page):
     for name, fields in reached.items():
         page.evaluate("(name) => { openQuestion(QUESTIONS.findIndex((each) => each.name === name)); draw(); }", name)
         expect(page.locator("#sentence")).to_have_text("The description comes when it is done.")
+        expect(page.get_by_role("img", name="appears").first).to_be_attached()  # for those who do not see the picture
         for field, value in zip(fields[::2], fields[1::2], strict=True):
             expect(answer).to_be_empty()
             page.locator(f"#number-{field}").fill(value)
@@ -142,6 +143,10 @@ def test_a_challenge_is_done_when_the_settings_rest_where_its_goal_is(page):
     page.locator("#question-count").click()
     expect(page.locator("#question-list button")).to_have_count(15)
     expect(page.locator("#question-list button", has_text="✓")).to_have_count(3)  # those that have been answered
+    page.locator("#question-list button").first.focus()
+    page.keyboard.press("Escape")
+    expect(page.locator("#question-count")).to_be_focused()
+    page.locator("#question-count").click()
     page.get_by_role("button", name="Challenge: where must your eye be").click()
     expect(page.locator("#ask")).to_be_focused()
     page.evaluate("draw()")
@@ -330,7 +335,7 @@ def test_questions_of_ones_own_are_a_link(page):
 
 
 def test_an_input_ends_the_movement_to_the_answer(page):
-    page.evaluate("openQuestion(6); reveal()")  # the eye moves
+    page.evaluate("openQuestion(2); reveal()")  # the eye moves
     page.locator("#number-z1").fill("3")
     assert page.evaluate("[state.z1, ...state.E, session.gliding]") == [3, 0.8, 0, None]
 
