@@ -159,7 +159,7 @@ function windowOf(each) {
 }
 const NO_WINDOW = {
   sheet: "none", name: "", ...pose({ x: 0, y: 0, z: 0, yaw: 0, pitch: 0, roll: 0 }),
-  half: [5e-10, 5e-10], round: false, depth: 0, framed: true, values: { aperture: 1e-9 },
+  half: [5e-10, 5e-10], round: false, depth: 0, framed: false, values: { aperture: 1e-9 },
 };
 
 // What the view needs beside the scene, and a function from the room, also after other numbers, to its scene.
