@@ -167,6 +167,8 @@ def test_the_view_is_turned_by_keys_dragging_and_buttons(page):
 def test_the_eye_and_the_object_can_be_dragged(page, camera, axis):
     """Each follows the pointer: along z, and up or aside, whichever is seen better."""
     show(page, large=True, z1=4, z2=6)
+    # the view takes its new size after a frame
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))")
     page.evaluate(f"session.camera = CAMERAS.{camera}; draw()")
     for what, depth in (("L", "z1"), ("E", "z2")):
         before, part = page.evaluate("({ ...state })"), f"#space .hold[data-moves={what}]"
