@@ -84,7 +84,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     @property
     def prism(self) -> Prism:
         """The shape of the prisms in the first window. Lengths are in tiles. Windows behind it can have others."""
-        return shape_of(self.values_of(self, SHAPE), self.aperture / self.prisms)
+        return shape_of(self.values_of(self, (*SHAPE, "tops")), self.aperture / self.prisms)
 
     @property
     def parameter_sets(self) -> "tuple[EyeAndWindows | FurtherWindow, ...]":

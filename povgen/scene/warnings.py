@@ -27,8 +27,7 @@ from povgen.sheets.prisms import SHAPE, Prisms
 
 # in a piece's file: only POV-Ray shows them
 TEXTURES = {"pigment", "texture", "finish", "material"}
-# A warning states these, if they differ from their defaults. Tops do not change the designed path.
-UNUSUAL = (*(name for name in SHAPE if name != "tops"), "ratio", "f_number")
+UNUSUAL = (*SHAPE, "ratio", "f_number")  # a warning states these, if they differ from their defaults
 
 
 def warnings(

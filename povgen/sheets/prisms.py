@@ -107,19 +107,11 @@ def check_ranges(errors: Mapping[str, float], allowed: Sequence[str], of: str) -
             raise ValueError(f"error: {name} = {value:g}; allowed: {least:g} to {most:g}{unit and ' '}{unit}")
 
 
-SHAPE = (
-    "index",
-    "glass",
-    "design_wavelength",
-    "base_angle",
-    "gap",
-    "aspect",
-    "tops",
-)  # decide a prism's, beside its pitch
+SHAPE = ("index", "glass", "design_wavelength", "base_angle", "gap", "aspect")  # decide a prism's, beside its pitch
 
 
 def shape_of(values: Mapping[str, Any], pitch: float) -> Prism:
-    """Return the shape of prisms with these values of `SHAPE`, with their index for light.
+    """Return the shape of prisms with these values of `SHAPE` and `tops`, with their index for light.
 
     The prisms are made for the design wavelength, at which they have the stated aspect.
     """
