@@ -133,7 +133,9 @@ export const tour = {
     $("tour-count").textContent = this.intro ? "" : this.place("count");
     $("tour-pause").textContent = say(this.paused || this.waits ? "tour.go_on" : "page.pause");
     $("tour-pause").hidden = reducedMotion.matches;
-    $("tour-pause").disabled = this.isLast && this.ended;
+    const over = this.isLast && this.ended;
+    if (over && document.activeElement === $("tour-pause")) $("tour-next").focus();
+    $("tour-pause").disabled = over;
     $("tour-back").disabled = this.intro || this.step === 0;
     $("tour-next").textContent = say(this.isLast ? "tour.done" : "asking.next");
   },

@@ -222,6 +222,18 @@ def test_the_teachers_panel_begins_with_what_the_page_showed_before(tour):
     expect(tour.get_by_role("dialog")).to_be_hidden()
 
 
+def test_nothing_goes_on_at_the_end_of_the_last_step(tour):
+    tour.evaluate("tour.byHand = true; tour.paused = false; tour.go(tour.steps.length - 1); draw()")
+    pause, done = tour.locator("#tour-pause"), tour.get_by_role("button", name="Done")
+    expect(pause).to_be_enabled()
+    pause.focus()
+    tour.evaluate("tour.passed = tour.now.seconds; draw()")
+    expect(pause).to_be_disabled()
+    expect(done).to_be_focused()
+    done.press("Enter")
+    assert tour.evaluate("tour.step") == -1
+
+
 def test_with_reduced_motion_each_step_waits(tour):
     tour.emulate_media(reduced_motion="reduce")
     tour.evaluate("tour.leave(); tour.start(); draw()")
