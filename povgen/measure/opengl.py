@@ -25,7 +25,7 @@ def points(scene: Scene, size: Size) -> NDArray[np.float32]:
     what is no scene or one that gl cannot draw, and if this system cannot draw with OpenGL.
     """
     size = Rendering(size=size, renderer="gl").size
-    check_gl(checked_scene(scene))
+    check_gl(scene := checked_scene(scene).fitted(size))
     met = OpenGLView(scene).readout(size)["met"]
     return np.where(met[..., 3:] > 0, met[..., :3], np.float32(np.nan))
 

@@ -14,7 +14,6 @@ from povgen.optics.opening import Opening
 from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
 from povgen.scene import polarisers, pupil, white
-from povgen.scene.room import Room
 from povgen.scene.scene import Scene, checked_class
 from povgen.scene.scenes import AxialScene
 from povgen.settings import PUPIL_RAYS, Rendering
@@ -49,25 +48,16 @@ def views(scene: Scene, rendering: Rendering) -> list[Scene]:
 
 
 def fitted(scenes: Sequence[Scene], size: tuple[int, int]) -> list[Scene]:
-    """Return the scenes of one movie, or one scene, with their default views for pictures of this size.
-
-    They show the first window, in narrow pictures with a margin beside it, on one scale in all. In narrow pictures, a
-    room's default view is as wide as it is high by default. A view that a scene states stays.
-    """
-    shape = size[0] / size[1]
-    shown = min(4 / 3, 0.9 * shape) if shape < 1 else 4 / 3
-    views = {scene.default_view(shown) for scene in scenes if isinstance(scene, AxialScene)}
-    if shape >= 1 and len(views) < 2:
-        return list(scenes)
-    return [_seen_as(scene, max(views, default=0.0), min(shape, 1)) for scene in scenes]
-
-
-def _seen_as(scene: Scene, view: float, shape: float) -> Scene:
-    if "view" in (scene.eye if isinstance(scene, Room) else scene).model_fields_set:
-        return scene
-    if isinstance(scene, Room):
-        return scene.replace(eye=scene.eye.replace(view=scene.eye.view / shape))
-    return scene.replace(view=view) if isinstance(scene, AxialScene) else scene
+    """Return the scenes of a movie with their default views for pictures of this size, on one scale in all."""
+    views = {
+        number: made.view
+        for number, scene in enumerate(scenes)
+        if isinstance(made := scene.fitted(size), AxialScene) and "view" not in scene.model_fields_set
+    }
+    if len(set(views.values())) < 2:
+        return [scene.fitted(size) for scene in scenes]
+    widest = max(views.values())
+    return [scene.replace(view=widest) if n in views else scene.fitted(size) for n, scene in enumerate(scenes)]
 
 
 def frames_of(scene: Scene, rendering: Rendering) -> list[Scene]:

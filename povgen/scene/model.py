@@ -173,6 +173,12 @@ class EyeAndWindows(Scene, ParametersOfSheets):
                 reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / sides)
         return VIEW if 2 * reach <= VIEW else min(MAX_VIEW, 1.03 * 2 * reach)
 
+    def fitted(self, size: tuple[int, int]) -> Self:
+        """Return the scene with its default view for a picture of this size: a narrow one has a margin at each side."""
+        if "view" in self.model_fields_set or (shape := size[0] / size[1]) >= 1:
+            return self
+        return self.replace(view=self.default_view(0.9 * shape))
+
     def _replaced_by(self, changes: dict[str, object]) -> set[str]:
         if "window" not in changes:
             return replaced_by(changes, self.window)

@@ -177,6 +177,12 @@ class Room(Scene):
     def camera(self) -> Camera:
         return self.eye.camera
 
+    def fitted(self, size: tuple[int, int]) -> Self:
+        """Return the room with its default view: in a narrow picture, as wide as it is high in others."""
+        if "view" in self.eye.model_fields_set or (shape := size[0] / size[1]) >= 1:
+            return self
+        return self.replace(eye=self.eye.replace(view=self.eye.view / shape))
+
     @cached_property
     def openings(self) -> Sequence[Opening]:
         return [window.opening for window in self.window]

@@ -99,6 +99,10 @@ class Scene(Model):
         """The eye, and the rectangle that the picture shows."""
         raise NotImplementedError
 
+    def fitted(self, size: tuple[int, int]) -> Self:
+        """Return the scene with its default view for a picture of this size. A view that is stated stays."""
+        raise NotImplementedError
+
     @property
     def openings(self) -> Sequence[Opening]:
         """The windows as in `optics.opening`, with the sheet in each."""
@@ -192,13 +196,13 @@ class Scene(Model):
         """Return a ray from the eye for each pixel of a picture: `size` is its width and height, or text as '64x48'.
 
         The rays' positions, in tiles, and their unit directions are arrays (height, width, 3). The first row is the top
-        one. Raises InputError for a width or a height that is not a whole number from 1 to MAX_SIDE, and for
-        more than 40 million pixels.
+        one. They are those of `render` with this size. Raises InputError for a width or a height that is not a whole
+        number from 1 to MAX_SIDE, and for more than 40 million pixels.
         """
         width, height = PictureSize(size=size).size
         if width * height > AT_ONCE:
             raise InputError(f"size = {width}x{height}: allowed: up to {AT_ONCE} rays at once")
-        return self.camera.rays((width, height))
+        return self.fitted((width, height)).camera.rays((width, height))
 
     @input_errors()
     def trace(

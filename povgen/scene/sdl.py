@@ -146,6 +146,7 @@ def to_pov(
             "white; allowed: 'sky', 'black' or 'white'"
         )
     sampling = Sampling(**options).suited(scene.has_prisms)
+    scene = scene.fitted(sampling.size)
     if isinstance(scene, Room):
         return _room(scene, max_trace_level(scene, found), sampling, file, rays)
     assert isinstance(scene, AxialScene)

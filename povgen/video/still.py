@@ -23,7 +23,7 @@ from povgen.record import MAX_FRAMES, MAX_PICTURES, PICTURES, Record, command, d
 from povgen.rendering import light
 from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
-from povgen.rendering.views import composed, fitted, frames_of, merged, views
+from povgen.rendering.views import composed, frames_of, merged, views
 from povgen.scene.files import files_in
 from povgen.scene.scene import Scene, checked_scene, checked_scenes
 from povgen.scene.scenes import input_files, pieces, with_seen_files
@@ -87,7 +87,7 @@ def render(
     rendering, workers, scheduler = Rendering(**options), worker_count(workers), checked_scheduler(scheduler)
     if linear and rendering.bits != 32:
         raise InputError(f"bits = {rendering.bits}: linear light has 32; allowed: one of them")
-    scenes = [fitted([each], rendering.size)[0] for each in scenes]
+    scenes = [each.fitted(rendering.size) for each in scenes]
     found: dict[int, NDArray[Any]] = {}
     failure: TransientError | None = None
     with bar("pictures", len(scenes), not as_flag("progress", progress) or one, "pictures") as done:
@@ -214,7 +214,7 @@ def as_file(scene: Scene, rendering: Rendering | None = None, ending: str = ".pn
     rendering = rendering or Rendering()
     if rendering.bits == 32:
         light.exr()  # raises an error before anything is rendered
-    [scene] = fitted([scene], rendering.size)
+    scene = scene.fitted(rendering.size)
     made = record_of([scene], rendering)
     frames = _frames(scene, rendering, quiet)
     if ending.lower() == ".png" and len(frames) == 1 and not draws_on(scene, rendering) and not rendering.is_light:

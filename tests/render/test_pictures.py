@@ -81,16 +81,21 @@ def test_a_default_view_shows_the_whole_frame(values):
 
 
 def test_a_narrow_picture_shows_the_whole_frame():
-    """A view that is stated stays, also that of a picture's record."""
+    """So do its text, rays and points. A view that is stated stays, also that of a picture's record."""
+    size = 54, 96
     spheres = Spheres(z1=9, line=(0, 0), sheet="ideal", background="white")
     room = Room([Window(sheet="ideal", width=4)], background="white")
     for scene in (spheres, room):
-        frame = (render(scene, size=(54, 96), antialias="off") < 250).any(-1)
+        frame = (render(scene, size=size, antialias="off") < 250).any(-1)
         columns = np.flatnonzero(frame.any(0))
         assert 0 < columns[0] < 8 and 45 < columns[-1] < 53
+        shown = scene.fitted(size)
+        assert shown.camera.height > scene.camera.height and to_pov(scene, size=size) == to_pov(shown, size=size)
+        assert (scene.rays(size).direction == shown.rays(size).direction).all()
+        np.testing.assert_array_equal(povgen.points(scene, size), povgen.points(shown, size))
     stated = [spheres.replace(view=VIEW), room.replace(eye=Eye(view=5))]
-    assert fitted(stated, (54, 96)) == stated
-    assert fitted([spheres, spheres.replace(eye=(-6, 3), z2=0.7)], (54, 96))[0].view > 10  # the scale of both
+    assert fitted(stated, size) == stated
+    assert fitted([spheres, spheres.replace(eye=(-6, 3), z2=0.7)], size)[0].view > 10  # the scale of both
 
 
 @pytest.mark.parametrize("alpha", some([66, 150, -50, 30, 110, 180], 2))

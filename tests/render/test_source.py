@@ -40,6 +40,17 @@ def test_the_command_in_the_header_makes_povgens_picture(tmp_path):
         to_pov(scene, size=3)
 
 
+def test_a_narrow_room_with_its_rays(tmp_path):
+    """The text and the rays are those of a view that is as wide as the default is high."""
+    (tmp_path / "room.toml").write_text("[[window]]\nsheet = 'ideal'\n[[object]]\nkind = 'floor'")
+    command = ["pov", "room.toml", "--size=32x64", "-o", "own.pov"]
+    files = []
+    for more in ([], ["--eye", "view=10"]):
+        assert povgen([*command, *more], tmp_path)[0] == 0
+        files.append([path.read_text().partition("// povgen record")[0] for path in sorted(tmp_path.glob("own*"))])
+    assert files[0] == files[1] and len(files[0]) == 3
+
+
 @pytest.mark.parametrize("file", some(["it's mine.pov", "a=b[0].pov"], 1))
 def test_the_command_names_the_file(file, tmp_path):
     options = ["--sheet", "none", "--size", "32x32", "--antialias", "off"]

@@ -11,7 +11,6 @@ from povgen.errors import InputError
 from povgen.files import checked_output
 from povgen.progress import wrote
 from povgen.record import PICTURES, check_unasked, save
-from povgen.rendering.views import fitted
 from povgen.scene.scenes import input_files
 from povgen.video.still import as_file, rendering_for
 
@@ -57,7 +56,7 @@ def command(
     if automatic is not None:
         sheet, choice = automatic.choose([made], {**chosen, "bits": rendering.bits}, quiet)
         made, rendering = made.replace(**sheet), rendering_for(file, {**chosen, **choice})
-    [made] = fitted([made], rendering.size)
+    made = made.fitted(rendering.size)
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
     stated = values if first else options.stated(made, values)
     if options.ready([made], rendering, stated if automatic is None else {}, dry_run, quiet):

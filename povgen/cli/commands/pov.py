@@ -38,7 +38,7 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     beside the file of -o.
     """
     values, sampling = options.split(values)
-    made = options.scene_of(scene, values)
+    made = options.scene_of(scene, values).fitted(Sampling(**sampling).size)
     if part not in (None, "sheets"):
         raise InputError(f"part = {part!r}: allowed: sheets")
     if part and sampling:
