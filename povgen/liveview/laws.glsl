@@ -25,24 +25,44 @@ vec3 bent(vec3 d, vec2 place, int number) {
 }
 
 #ifdef FROM_BEHIND
-// The law for a vector of any length, which it does not change: where the law is linear, as of rotations and lenses, this is linear.
+// The law for a vector of any length, which it does not change: where the law is linear, as of rotations and lenses, so is this.
 vec3 scaledLaw(vec3 v, vec2 place, int number) {
   return length(v) * lawOf(normalize(v), place, number);
 }
 
-// The direction, before a sheet, of a ray that comes from behind it: a path of light runs both ways. The direction before the
-// sheet is found by Newton's method, in one step where the law is linear. Derivatives are differences.
+vec3 withSine(vec2 sine) {
+  return vec3(sine, sqrt(max(1.0 - dot(sine, sine), 0.0)));
+}
+
+// The direction, before a sheet, of a ray that comes from behind it: a path of light runs both ways. It is found by Newton's
+// method, with differences as derivatives. Many laws are linear in vectors of any length. Others, such as that of refraction,
+// are nearly linear in the sine.
 vec3 bentFromBehind(vec3 d, vec2 place, int number) {
   const vec2 STEP = vec2(0.004, 0);
-  vec3 wanted = -d, before = wanted;
-  for (int k = 0; k < 20 && !(distance(bent(before, place, number), wanted) < 1e-6); k++) {
+  vec3 wanted = -d, before = wanted, miss;
+  for (int k = 0; k < 20; k++) {
+    miss = scaledLaw(before, place, number) - wanted;
+    if (!(length(miss) > 2e-6)) break;
     mat3 change = mat3(
       scaledLaw(before + STEP.xyy, place, number) - scaledLaw(before - STEP.xyy, place, number),
       scaledLaw(before + STEP.yxy, place, number) - scaledLaw(before - STEP.yxy, place, number),
       scaledLaw(before + STEP.yyx, place, number) - scaledLaw(before - STEP.yyx, place, number)
     );
-    before = normalize(inverse(change) * wanted);
+    before -= 2.0 * STEP.x * (inverse(change) * miss);
   }
+  before = normalize(before);
+  if (before.z > 0.0 && distance(bent(before, place, number), wanted) < 1e-4) return -before;
+  vec2 sine = vec2(0);
+  for (int k = 0; k < 20; k++) {
+    vec2 off = bent(withSine(sine), place, number).xy - wanted.xy;
+    if (!(length(off) > 2e-6)) break;
+    mat2 change = mat2(
+      bent(withSine(sine + STEP.xy), place, number).xy - bent(withSine(sine - STEP.xy), place, number).xy,
+      bent(withSine(sine + STEP.yx), place, number).xy - bent(withSine(sine - STEP.yx), place, number).xy
+    );
+    sine -= 2.0 * STEP.x * (inverse(change) * off);
+  }
+  before = withSine(sine);
   bool found = before.z > 0.0 && distance(bent(before, place, number), wanted) < 1e-4;
   return found ? -before : vec3(0, 0, 1);  // (0, 0, 1): no light
 }

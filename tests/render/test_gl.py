@@ -219,6 +219,22 @@ def test_positions_agree_with_the_predictions():
     holding(verify_gl.positions(6, (240, 180)), 3)
 
 
+@pytest.mark.parametrize(
+    ("values", "yaw"),
+    [
+        ({"sheet": "refraction", "ratio": 0.5, "alpha": 40}, 120),  # the eye is beyond the critical angle
+        ({"sheet": "refraction", "ratio": 10}, 180),  # most light is totally reflected
+        ({"sheet": "lens", "focal_length": 0.1}, 180),
+    ],
+)
+def test_an_ideal_sheet_seen_from_behind_bends_light_as_the_trace_does(values, yaw):
+    room = povgen.Room([povgen.Window(**values, yaw=yaw, width=2, height=2, frame=False)], eye=povgen.Eye(view=2.2))
+    traced, read = room.trace(room.rays((48, 48))), OpenGLView(room).readout((48, 48))
+    passes, meets = traced.end <= End.BACK, traced.windows[..., 0] == 0
+    assert ((read["shown"][..., 0] >= 0) == passes)[meets].all() and (passes & meets).sum() > 500
+    assert np.linalg.norm(read["ray"][..., :3] - traced.direction, axis=-1)[passes].max() < 1e-4
+
+
 @pytest.mark.release
 def test_costs_are_measured_against_povrays():
     detailed, ideal = verify_gl.costs((64, 48), 1)
