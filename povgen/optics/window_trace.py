@@ -179,14 +179,18 @@ class _Way:
             self.bend(ahead, window, position, direction, ends)
             passed = np.flatnonzero(ahead & (ends == End.THROUGH))
         way = (np.copysign(window.frame / 2, direction[:, 2]) - position[:, 2]) / direction[:, 2]
-        framed = window.outline.excludes(*(position + np.maximum(way, 0)[:, None] * direction)[:, :2].T)
-        ends[(ends == End.THROUGH) & framed] = End.FRAME
+        beyond = window.outline.excludes(*(position + np.maximum(way, 0)[:, None] * direction)[:, :2].T)
+        ends[(ends == End.THROUGH) & beyond] = End.FRAME
+        framed = np.flatnonzero((ends == End.FRAME) & ~beside)
+        _, wall = window.outline.passage(taken(position, framed), taken(direction, framed), np.inf)
         position, direction = window.pose.scene(position, direction)
         if self.path and not self.sheets[w] and not np.all(window.sheet.transfer == np.eye(5)):
             kind, air = np.full(len(passed), ray_path.IDEAL), np.ones(len(passed))
             self.events.append(Event(i[passed], taken(position, passed), air, air, kind))
         if self.bent is not None and not self.sheets[w]:
             self.bent.append((i[passed], taken(position, passed), taken(direction, passed), w))
+        # the face or the sheet that such a ray was taken to is before the frame's wall, or behind it
+        position[framed] += np.where(np.isfinite(wall), wall, 0)[:, None] * direction[framed]
         # numpy sets whole vectors in four times as long
         for array, values in zip((self.rays.position, self.rays.direction), (position, direction), strict=True):
             for numbers, new in zip(array.T, values.T, strict=True):

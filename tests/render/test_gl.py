@@ -219,6 +219,23 @@ def test_positions_agree_with_the_predictions():
     holding(verify_gl.positions(6, (240, 180)), 3)
 
 
+@pytest.mark.parametrize("outline", ["rectangle", "round"])
+def test_light_ends_at_the_wall_of_a_frame_not_at_the_face_behind_it(outline):
+    room = povgen.Room([povgen.Window(sheet="detailed", prisms=8, yaw=10, outline=outline)], eye=povgen.Eye(view=4))
+    traced, points = room.trace(room.rays(SIZE), path=True), povgen.points(room, SIZE)
+    within = (traced.end == End.FRAME) & (traced.count > 0)
+    (opening,) = room.openings
+    x, y, z = opening.pose.own(traced.position[within], traced.direction[within])[0].T
+    width, height, is_round = opening.outline
+    side = np.hypot(x / width, y / height) if is_round else np.maximum(abs(x) / width, abs(y) / height)
+    np.testing.assert_allclose(side, 0.5, rtol=1e-12)
+    assert len(z) > 100 and (abs(z) < opening.deep.frame / 2).all()
+    near = np.linalg.norm(points[within] - traced.position[within], axis=-1) < 1e-4
+    assert near.mean() > 0.95  # pictures follow fewer faces
+    last = np.isfinite(traced.corners[..., 0]).sum(-1)[within] - 1
+    assert (traced.corners[within][range(len(z)), last] == traced.position[within]).all()
+
+
 @pytest.mark.parametrize(
     ("values", "yaw"),
     [
