@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from povgen.errors import InputError, input_errors, shown
 from povgen.optics.equations import Booleans, Floats, real
+from povgen.optics.profile import Profile
 from povgen.optics.values import Values
 from povgen.scene.scenes import AxialScene, checked_axial
 from povgen.scene.windows import WINDOW_NUMBER, with_numbers
@@ -20,6 +21,9 @@ from povgen.scene.windows import WINDOW_NUMBER, with_numbers
 STEPS = 60  # of the search, at most
 EDGE = 1e-3  # of a parameter, in the same unit: so near it is at an edge
 _STEP = 1e-6  # of a parameter for derivatives, as a part of its size, or of 1
+# The same for sheets of a profile. While it changes, predictions jump by about ROUGH, in tiles, where one of the
+# rays behind it leaves the designed path.
+_WIDE_STEP, ROUGH = 0.02, 3e-4
 TINY = 1e-9  # tiles: a parameter that changes predictions by less, and a change of residuals, are none
 POOR = 0.05  # the part of the marked points' variance that is more than noise, where this is not stated
 SAME = 1e-4  # singular values below this part of the greatest one count as 0
@@ -88,7 +92,8 @@ def fit(
     start = np.array([_value(scene, name) for name in names])
     points, marked = _checked(names, places, seen, noise)
     off = _residuals(scene, names, points, marked)
-    best = _best(off, names, start, noise)
+    is_rough = any(isinstance(glass.shape, Profile) for sheet in scene.layered for glass in sheet.glass)
+    best = _best(off, names, start, noise, _WIDE_STEP if is_rough else _STEP)
     # each parameter in units of its size, so that their accuracies can be compared
     size = np.maximum(abs(best.values), 1)
     ways, accuracy, combinations = np.linalg.svd(best.slopes * size, full_matrices=False)
@@ -102,7 +107,8 @@ def fit(
     values = dict(zip(names, best.values.tolist(), strict=True))
     width = np.sum((marked - marked.mean(0)) ** 2)  # 0 for one point
     far = _is_far(best, noise) if noise is not None else width > 0 and best.squares > POOR * width
-    slow = np.linalg.norm(best.left @ ways[:, ~unknown]) > 1e-3 * best.squares**0.5 + TINY
+    least = ROUGH * sqrt(marked.size) if is_rough else TINY
+    slow = np.linalg.norm(best.left @ ways[:, ~unknown]) > 1e-3 * best.squares**0.5 + least
     edge = np.array([len(sides) < 2 for _, sides in _sides(off, best.values, EDGE)])
     rms = float(np.sqrt(2 * np.mean(best.left**2)))
     said = {
@@ -158,11 +164,11 @@ def _residuals(scene: AxialScene, names: Sequence[str], points: Floats, marked: 
     return off
 
 
-def _best(off: Off, names: Sequence[str], start: Floats, noise: float | None) -> _Found:
+def _best(off: Off, names: Sequence[str], start: Floats, noise: float | None, reach: float) -> _Found:
     """Return the end of the best search. Others than the first one are made if it leaves more than noise."""
     best: _Found | None = None
     for turn in (0, 90, 180, 270) if "alpha" in names else (0,):
-        found = _search(off, start + turn * np.array([name == "alpha" for name in names]))
+        found = _search(off, start + turn * np.array([name == "alpha" for name in names]), reach)
         if found and (best is None or found.squares < 0.999 * best.squares):
             best = found
         if best and noise is not None and not _is_far(best, noise):
@@ -192,13 +198,13 @@ def _joined(names: Sequence[str], chosen: Booleans) -> str:
     return ", ".join(name for name, is_chosen in zip(names, chosen, strict=True) if is_chosen)
 
 
-def _search(off: Off, start: Floats) -> _Found | None:
+def _search(off: Off, start: Floats, reach: float) -> _Found | None:
     """Return the parameters of least squares, by the Levenberg-Marquardt method; None without a prediction at start."""
     values, left, damping = start, off(start), 1e-3
     if not np.isfinite(left).all():
         return None
     for _ in range(STEPS):
-        slopes = _slopes(off, values, left)
+        slopes = _slopes(off, values, left, reach)
         normal, size = slopes.T @ slopes, np.diag(slopes.T @ slopes)
         step = np.linalg.lstsq(normal + damping * np.diag(size + 1e-12 * size.max()), -slopes.T @ left, rcond=None)[0]
         after = off(values + step)
@@ -211,13 +217,13 @@ def _search(off: Off, start: Floats) -> _Found | None:
             damping *= 10
             if damping > 1e12:
                 break
-    return _Found(values, left, _slopes(off, values, left))
+    return _Found(values, left, _slopes(off, values, left, reach))
 
 
-def _slopes(off: Off, values: Floats, left: Floats) -> Floats:
+def _slopes(off: Off, values: Floats, left: Floats, reach: float) -> Floats:
     """Return the derivatives by each parameter, (coordinates, parameters): at an edge, those to the allowed side."""
     slopes = []
-    for step, sides in _sides(off, values, _STEP):
+    for step, sides in _sides(off, values, reach):
         change = sum((sign * (after - left) for sign, after in sides), 0 * left)
         slopes.append(change / (max(len(sides), 1) * step))
     return np.stack(slopes, -1)

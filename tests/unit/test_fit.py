@@ -41,6 +41,18 @@ def test_numbers_of_a_further_window_are_found():
         fit(scene, PLACES, seen(scene), "window3_z")
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_numbers_of_lenses_are_found(seed):
+    """The prediction for lenses jumps where a ray leaves the designed path. Derivatives and warnings allow for that."""
+    true = {"ratio": 1.13, "f_number": 6.5}
+    scene = Chess(sheet="lenticular", alpha=40, **true)
+    points = seen(scene, z1=2) + np.random.default_rng(seed).normal(0, 0.003, (12, 2))
+    found = fit(scene.replace(ratio=1, f_number=6), PLACES, points, tuple(true), noise=0.003)
+    assert not found.warning and 0.05 < found.errors["f_number"] < 0.5
+    for name, value in true.items():
+        assert abs(found.values[name] - value) < 3 * found.errors[name] + 1e-3
+
+
 def test_one_point_is_enough_for_one_parameter():
     found = fit(TRUE, PLACES[:1], seen(TRUE, PLACES[:1]) + (1e-4, 0), "alpha")
     assert not found.warning and found.values["alpha"] == pytest.approx(66, abs=0.1)
