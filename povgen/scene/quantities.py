@@ -344,7 +344,9 @@ def unit(name: str) -> str:
     own = re.sub("_([0-9]+|[xyz])$", "", name)  # one of several, or a component
     units = {each.unit for each in PARAMETERS.get(own, ())} - {""}
     found = UNITS.get(own) or (units.pop() if len(units) == 1 else "")
-    return found or (unit(name.partition("_")[2]) if "_" in name else "")  # of a thing in a room: left_alpha
+    if found or own in PARAMETERS or name.startswith("parameter_"):
+        return found
+    return unit(name.partition("_")[2]) if "_" in name else ""  # of a thing in a room: left_alpha
 
 
 def parameters(scene: Scene, names: Collection[str] | None = None) -> dict[str, object]:

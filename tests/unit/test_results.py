@@ -280,6 +280,12 @@ def test_the_dimensions_of_a_dataset():
     odd = results(scenes, "M", progress=False).to_xarray()
     assert dict(odd.sizes) == {"scene": 3} and odd.z2.dims == ("scene",) and "z2" in odd.coords
     assert odd.scene.values.tolist() == ["chess"] * 2 + ["spheres"] and odd.error_tilt_x.attrs["units"] == "degrees"
+    window = {"z": 2, "sheet": "law", "law": "x, y + focus*z, z"}
+    turning = [
+        Chess(sheet="axis", alpha=20, axis=(x, 1, 0), window={**window, "parameter": {"focus": x}}) for x in (0, 1)
+    ]
+    plain = results(turning, "M", progress=False).to_xarray()
+    assert "units" not in {**plain.axis_x.attrs, **plain.window2_parameter_focus.attrs}  # as x and focus have
     assert results(scene, "M").to_xarray().M.shape == (1,) and results([], "M").to_xarray().M.shape == (0,)
 
 
