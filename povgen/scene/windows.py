@@ -50,14 +50,16 @@ def replaced_by(changes: Mapping[str, object], windows: Iterable[FurtherWindow] 
 def window_table(value: object) -> object:
     """Return a window's text, such as 'alpha=120,z=2', as a table.
 
-    A part between commas that has no = belongs to the part before it, such as a component of a direction. The table's
-    values are texts. Only a parameter that is a table may occur several times. Its value is then a list of texts.
-    If `value` is no text, it is returned as it is. Raises ValueError for text of another form.
+    A part between commas that has no = belongs to the part before it, such as a component of a direction. So do height=
+    and up= of a mesh, as in piece=model.stl,height=1.2. The table's values are texts. Only a parameter that is a table
+    may occur several times. Its value is then a list of texts. If `value` is no text, it is returned as it is. Raises
+    ValueError for text of another form.
     """
     if isinstance(value, str):
         parts: list[str] = []
         for part in value.split(","):
-            if "=" in part or not parts:
+            of_mesh = parts and parts[-1].strip().startswith("piece=") and re.match(" *(height|up)=", part)
+            if not parts or "=" in part and not of_mesh:
                 parts.append(part)
             else:
                 parts[-1] += f",{part}"

@@ -9,7 +9,7 @@ import pytest
 from conftest import povgen, refusal, refused, some
 from PIL import Image
 
-from povgen import Chess, movie, render, to_pov
+from povgen import Chess, Room, movie, render, to_pov
 from povgen.errors import PovrayError
 from povgen.inputs.pieces import PIECES, PieceFile, declared
 from povgen.measure.probes import PiecePositions, decoded
@@ -290,3 +290,5 @@ def test_a_mesh_is_shown_as_the_same_shape_in_povrays_language(tmp_path):
     assert (render(mesh, **SMALL) == render(box, **SMALL)).mean() > 0.999
     flat = volumes.volumes({"mesh": mesh.piece, "box": box.piece})
     assert flat["mesh"].place == pytest.approx(flat["box"].place, abs=1e-4)
+    room = Room(object=f"kind=piece,piece={tmp_path / 'cube.obj'},height=0.6,z=2")
+    assert (room.object[0].z, room.object[0].piece) == (2, mesh.piece)
