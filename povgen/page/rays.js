@@ -11,34 +11,50 @@ import { state } from "./state.js";
 import { passage } from "./trace.js";
 
 /** Follow a ray from a point, in a direction, through all windows. `kind` is "designed", "stray" (has left on the far side, on
- * another path), "back" (has left on the side it came from), "beside" (misses a later window), or "lost" (ends in the frame, on
- * black, or nowhere). `points` are the corners of its
- * path, `steps` the faces of prisms that it meets.
+ * another path), "back" (has left on the side it came from), "beside" (misses a window), or "lost" (ends on a frame, on black, or
+ * nowhere). `points` are the corners of its path, `steps` the faces of prisms that it meets. `frame` is "rim" or "wall" if it ends
+ * on a frame, which is a box: on its outside or in its opening.
  * @param {any} now */
 export function traced(now, from, towards) {
-  const forward = towards[2] > 0, half = now.scene.aperture / 2;
-  const ray = { points: [from], steps: [], direction: towards, kind: "designed" };
+  const forward = towards[2] > 0, half = now.scene.aperture / 2, outer = half + now.scene.rim, frame = depth(now.scene);
+  const ray = { points: [from], steps: [], direction: towards, kind: "designed", frame: "" };
+  const lost = (frame = "", way = 0) => ({ ...ray, kind: "lost", frame, points: frame ? [...ray.points, along(ray, way)] : ray.points });
   for (const window of forward ? now.windows : [...now.windows].reverse()) {
-    const place = at(ray, window.z);
-    const beside = ray.points.length > 1 && Math.max(Math.abs(place[0]), Math.abs(place[1])) > half;
-    if (beside) return { ...ray, kind: "beside" };
+    const ends = [window.z - frame / 2, window.z + frame / 2], [meets, leaves] = within(ray, outer, ends), opening = within(ray, half, ends);
+    if (!(meets <= leaves)) return { ...ray, kind: "beside" };
+    if (meets > 0 && !(opening[0] <= Math.min(opening[1], meets * LARGER))) return lost("rim", meets);
     if (hasPrisms(window)) {
-      const { steps, end, designed, direction, place: last } = passage(window, ray.points.at(-1), ray.direction, { frame: depth(now.scene), most: now.scene.faces });
+      const { steps, end, designed, direction, place: last } = passage(window, ray.points.at(-1), ray.direction, { frame, most: now.scene.faces });
       ray.steps.push(...steps);
       ray.points.push(...steps.map((step) => step.place), last);
       ray.direction = direction;
+      if (end === "frame") return lost("wall", within(ray, half, [-Infinity, Infinity])[1]);
       if (end !== "through") return { ...ray, kind: end === "back" ? "back" : "lost" };
       if (!designed) ray.kind = "stray";
     } else {
+      const place = at(ray, window.z), before = (window.z - ray.points.at(-1)[2]) / ray.direction[2];
+      if (opening[1] < before) return lost("wall", opening[1]);
       /** @type {any} */
       const slope = [ray.direction[0] / ray.direction[2], ray.direction[1] / ray.direction[2]];
       const bend = bendingOf(window), bent = forward ? bend(slope, place) : unbent(bend, slope, place);
       ray.points.push(place);
-      if (!bent) return { ...ray, kind: "lost" };
+      if (!bent) return lost();
       ray.direction = forward ? [...bent, 1] : [-bent[0], -bent[1], -1];
+      const wall = within(ray, half, ends)[1];
+      if (wall * LARGER < frame / 2) return lost("wall", wall);
     }
   }
   return ray;
+}
+
+const LARGER = 1 + 1e-9;  // more than errors of rounding
+const along = ({ points, direction }, way) => points.at(-1).map((x, k) => x + way * direction[k]);
+
+// How far along a ray a box begins and ends: |x| and |y| are at most `side`, and z is between `ends`. It misses the box if the first
+// number is greater.
+function within({ points, direction }, side, ends) {
+  const ways = [[-side, side], [-side, side], ends].map((limits, k) => limits.map((x) => (x - points.at(-1)[k]) / direction[k]).sort((a, b) => a - b));
+  return [Math.max(...ways.map(([near]) => near)), Math.min(...ways.map(([, far]) => far))];
 }
 
 // Where a ray, or its continuation, crosses a plane.
@@ -118,7 +134,8 @@ export function lightInWindow(now) {
   const count = { designed: 0, stray: 0, back: 0, lost: 0, beside: 0 }, front = z2 - depth(scene) / 2;
   for (let n = 0; n < RAYS; n++) {
     const [x, y] = STEPS.map((step) => (((0.5 + n * step) % 1) - 0.5) * scene.aperture);
-    count[traced(now, [...E, -z2], [x - E[0], y - E[1], front]).kind]++;
+    const { kind, frame } = traced(now, [...E, -z2], [x - E[0], y - E[1], front]);
+    count[frame === "rim" ? "beside" : kind]++;
   }
   kept = { key, found: { designed: count.designed / RAYS, stray: count.stray / RAYS, beside: count.beside / RAYS } };
   return kept.found;

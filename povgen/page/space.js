@@ -260,8 +260,9 @@ function says(now, rays, image, field) {
 }
 
 // The name of what a ray to the eye comes from.
-function seenBy(now, { kind }) {
+function seenBy(now, { kind, frame }) {
   if (kind === "stray" || kind === "back") return say(`light.${kind}`);
+  if (frame) return say("shown.frame");
   const found = kind === "lost" ? "dark" : seenAt(now, state.W);
   return SHOWN.includes(found) ? say(`shown.${found}`) : thing().name;
 }

@@ -32,6 +32,8 @@ from povgen.objects.window import Window
 from povgen.optics import equations, ghosts, series, trace
 from povgen.optics.prism import Prism
 from povgen.optics.profile import confocal, dove
+from povgen.optics.rays import Bundle
+from povgen.optics.trace import End
 from povgen.page import items
 from povgen.page.address import ALL_KINDS, KEPT, KINDS
 from povgen.scene import shader, survey, warnings
@@ -87,6 +89,38 @@ def test_rays_through_prisms_are_those_of_python(page, sheet, prisms, towards):
     assert [ray["designed"] for ray, ok in zip(found, same, strict=True) if ok] == wanted.designed[same].tolist()
     for name, values in (("place", wanted.position), ("direction", wanted.direction)):
         assert np.array([ray[name] for ray in found])[same] == pytest.approx(values[same], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"z2": 1.2},
+        {"windows": 2, "sheet2": "none", "alpha": 30, "d": 2.5, "z2": 2.5},
+        {"windows": 2, "sheet": "lens", "focal_length": 0.5, "sheet2": "ideal", "d": 2},
+        {"windows": 2, "sheet": "detailed", "sheet2": "same", "prisms": 30, "d": 3, "z2": 3},
+    ],
+)
+def test_rays_end_where_those_of_python_end(page, values):
+    """Also on the frames of two windows, and beside them."""
+    page.evaluate("(values) => change(values)", values)
+    scene, faces = scene_of(page), page.evaluate("moment().scene.faces")
+    towards = np.column_stack((np.random.default_rng(2).uniform(-1.64, 1.64, (800, 2)), np.full(800, scene.z2)))
+    found = page.evaluate(
+        "(rays) => { const now = moment(); return rays.map((ray) => traced(now, [0, 0, -now.z2], ray)); }",
+        towards.tolist(),
+    )
+    wanted = scene.trace(Bundle(np.broadcast_to([0, 0, -scene.z2], towards.shape), towards), faces)
+    kinds = {End.THROUGH: "designed", End.BACK: "back", End.BESIDE: "beside"}
+    said = [kinds.get(end, "lost") for end in wanted.end]
+    said = [
+        "stray" if kind == "designed" and not way else kind for kind, way in zip(said, wanted.designed, strict=True)
+    ]
+    same = np.array([ray["kind"] for ray in found]) == said
+    assert same.mean() > 0.98  # here light that the second window sends back ends there
+    framed = same & (wanted.end == End.FRAME)
+    last = np.array([ray["points"][-1] for ray in found])
+    assert framed.sum() > 80 and all(ray["frame"] for ray, ends in zip(found, framed, strict=True) if ends)
+    assert np.linalg.norm(last - wanted.position, axis=-1)[framed].max() < 1e-6
 
 
 def test_the_light_in_the_window_is_that_of_results(page):
