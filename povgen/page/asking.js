@@ -254,13 +254,18 @@ function goTo(n) {
   $("ask").focus();
 }
 for (const [id, aside] of Object.entries({ previous: -1, next: 1 })) $(id).addEventListener("click", () => goTo(offered()[offered().indexOf(state.question) + aside]));
+// Whether a question has been answered, and rightly.
+function mark(question) {
+  const answer = work.answers[question.name];
+  return !answer ? "" : answer.given === null ? "– " : isRight(question, answer.given) ? "✓ " : "✗ ";
+}
 const list = $("question-list");
 list.addEventListener("beforetoggle", ({ newState }) => newState === "open" && list.replaceChildren(...offered().map((n) => {
   const open = () => {
     list.hidePopover();
     goTo(n);
   };
-  return element("li", {}, element("button", { type: "button", textContent: `${work.answers[QUESTIONS[n].name] ? "✓ " : ""}${ask(QUESTIONS[n])}`, ariaCurrent: String(n === state.question), onclick: open }));
+  return element("li", {}, element("button", { type: "button", textContent: `${mark(QUESTIONS[n])}${ask(QUESTIONS[n])}`, ariaCurrent: String(n === state.question), onclick: open }));
 })));
 
 on("other-questions", "click", () => openQuestion(QUESTIONS.findIndex(({ own }) => Boolean(own) !== Boolean(QUESTIONS[state.question].own))));

@@ -4,7 +4,7 @@ import { hasPiece } from "../liveview/presets.js";
 import { openQuestion } from "./asking.js";
 import { abs, finite, minus } from "./complex.js";
 import { $, clamped, data, element, on, refresh } from "./data.js";
-import { angle, beginsNumber, brief, choose, entry, fill, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, SYMBOL, typedNumber, typedUnit, unitText } from "./language.js";
+import { angle, beginsNumber, brief, choose, entry, fill, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, SYMBOL, typedNumber, typedUnit, unitText, withUnit } from "./language.js";
 import { appearance, moment } from "./moment.js";
 import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
@@ -235,9 +235,9 @@ export function showInputs(now) {
     for (const input of document.querySelectorAll(`.place[data-quantity="${name}"] input`)) input.ariaLabel = say(part, { name: SYMBOL[name] ?? name, label: text, axis: input.dataset.axis });
     if (!SLIDERS[name]) continue;
     const said = { name: SYMBOL[name], label: text };
-    const [least, most] = RANGES[name].map(brief);
+    const [least, most] = RANGES[name];
     $(`slider-${name}`).ariaLabel = say("controls.slider", said);
-    Object.assign($(`number-${name}`), { ariaLabel: say("controls.number", said), title: say("controls.range", { least, most }) });
+    Object.assign($(`number-${name}`), { ariaLabel: say("controls.number", said), title: say("controls.range", { least: brief(least), most: withUnit(name, most) }) });
   }
   const shown = partsShown();
   for (const part of document.querySelectorAll("[data-for]")) part.hidden = !part.dataset.for.split(" ").some((name) => shown.includes(name));

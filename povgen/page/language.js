@@ -130,6 +130,8 @@ export const isAngle = (name) => Boolean(UNIT[name]?.startsWith("°"));
 // The unit behind a number: "°/tile" and "tiles" are said in words.
 export const unitText = (unit) => unit.replace(/tiles?/, (word) => say(`units.${word}`));
 export const quantity = (name, x) => (isAngle(name) ? fixed(x, 1) + unitText(UNIT[name]) : UNIT[name] === "tiles" ? tilesText(x) : brief(x));
+// The same, of an angle without zeros.
+export const withUnit = (name, x) => (isAngle(name) ? brief(x) + unitText(UNIT[name]) : quantity(name, x));
 // A number, or a direction's three. Lengths are without their unit.
 export const briefly = (name, x) => (Array.isArray(x) ? `(${x.map(brief).join(separator())})` : isAngle(name) ? quantity(name, x) : brief(x));
 

@@ -143,7 +143,12 @@ $("teach-open").addEventListener("click", () => {
   drawLessons();
   $("teach").showModal();
 });
-$("teach").addEventListener("click", ({ target }) => (target === $("teach") || target.closest("a")) && $("teach").close());
+$("teach").addEventListener("click", ({ target }) => {
+  const leads = target.closest("a");
+  if (leads || target === $("teach")) $("teach").close();
+  // the page shows what the link leads to in the next frame
+  if (leads) requestAnimationFrame(() => requestAnimationFrame(() => $(state.question < 0 ? "sentence" : "ask").focus()));
+});
 addEventListener("afterprint", () => document.body.classList.remove("tasks"));
 function lead(button) {
   const { setting } = stepTo(button);

@@ -32,10 +32,19 @@ function described(now) {
 export function heard(now) {
   const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
   if (limits.length) return [...limits, ...(session.refusals.length || isToBeFound() ? [] : [seen(now)])];
-  return [...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), described(now), pointsSaid(now), ...light];
+  const points = pointsSaid(now), isMoved = points !== heardPoints;
+  heardPoints = points;
+  return [...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), described(now), points, ...(isMoved ? appears(now) : []), ...light];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });
+let heardPoints = "";  // where L and E are, as it has been spoken last
+
+// Where in the window the object's point L is seen.
+function appears(now) {
+  const isSeen = !isToBeFound() && !isEmpty() && !now.beside && !now.nearPole && finite(now.place) && !outside(now.place, now.scene);
+  return isSeen ? [say("describe.appears", { P: placeSaid(now.place) })] : [];
+}
 
 // Of all that is seen, the object; before it, what sheets beyond the paper do.
 export const seen = (now) => [...(now.general ? [work(now)] : []), ...objectSeen(now)].join(" ");
@@ -99,7 +108,7 @@ function blurSaid(now) {
 // The description of the picture for those who do not see it.
 export function describe(now) {
   const far = mountains(now);
-  return [settingSaid(now), pointsSaid(now), ...far, ...(far.length ? [say("describe.reason")] : []), described(now)].join(" ");
+  return [settingSaid(now), pointsSaid(now), ...appears(now), ...far, ...(far.length ? [say("describe.reason")] : []), described(now)].join(" ");
 }
 
 // What is seen through what, and the numbers of the setting: nothing of what it looks like.

@@ -74,6 +74,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
         page.get_by_role("button", name="Für Lehrkräfte").click()
         panel.get_by_role("link", name=link).click()
         expect(panel).to_be_hidden()
+        expect(page.locator("#ask" if "question" in shown else "#sentence")).to_be_focused()
         hash_ = page.evaluate("location.hash")
         assert all(f"{name}={value}" in hash_ for name, value in shown.items())
         assert page.evaluate("[povgen.state.state.level, povgen.questions.ownQuestions().length]") == ["expert", 1]

@@ -79,6 +79,7 @@ def test_the_picture_is_described_in_words(page):
     assert page.evaluate("describe(moment())") == (
         "A knight seen through the ideal sheet. α = 66.0°, z₁ = 2 and z₂ = 6 tiles. "
         "The object L is 0.85 tiles down from the window’s middle, the eye E opposite the window’s middle. "
+        "Seen in the window, L is 0.187 tiles to the right and 0.698 tiles down from the window’s middle. "
         "The mountains, which are far away, appear turned by 66.0° counter-clockwise. The sheets turn the direction of "
         "each ray, but do not change the place where it crosses them: the nearer a thing is behind them, the less "
         "the turned line of sight has moved to the side there, and the less the thing turns. "
