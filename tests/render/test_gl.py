@@ -24,7 +24,7 @@ from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions
 from povgen.optics.profile import Profile
 from povgen.optics.trace import End
-from povgen.rendering import cache, frames, gl, gl_runner, gl_scene
+from povgen.rendering import cache, frames, gl, gl_runner, gl_scene, light
 from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
 from povgen.scene.scenes import pieces
@@ -351,6 +351,15 @@ def test_tiles_are_the_whole_picture(drawer):
     scene["pictures"] = {"mountains": mountains().content}
     whole = drawer(256).picture(scene, (150, 130), 5)
     assert np.array_equal(drawer(64).picture(scene, (150, 130), 5), whole)
+
+
+def test_a_pixel_is_the_mean_of_a_finer_picture():
+    """With the wide filter, which the reduced picture has too. A picture's rays fill its pixels, and no more."""
+    scene = Chess(sheet="ideal")
+    fine = povgen.render(scene, renderer="gl", size=(384, 288), antialias="off")
+    made = povgen.render(scene, renderer="gl", size=(96, 72), antialias="4x")
+    off = abs(made.astype(int) - light.reduced(fine, (96, 72))).max(-1)
+    assert (off > 8).mean() < 0.01
 
 
 # ---- As an option ----

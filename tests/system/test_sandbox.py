@@ -144,6 +144,7 @@ UNCAUGHT = "terminate called after throwing an instance of '{}'\n  what():  {}\n
         (1, "", "halted \x1b[31m\x9bred", r": scene.pov, line 2: halted \x1b[31m\x9bred"),  # not obeyed by a terminal
         (-signal.SIGXFSZ, "", None, " was stopped: its limit for a file, 1024 MiB, is exceeded"),
         (1, "", None, " failed: it left no message"),
+        (0, "", None, " failed: it left no message"),
     ],
 )
 def test_povrays_messages(status, messages, log, expected, tmp_path):
