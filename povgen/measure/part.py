@@ -21,6 +21,7 @@ from povgen.scene.scene import Scene, checked_scene
 from povgen.scene.scenes import input_files
 from povgen.sheets import SHEETS
 from povgen.sheets.layered import Layered
+from povgen.sheets.sheet import Ideal
 from povgen.validation import Model, as_flag
 from povgen.video.still import record_of
 
@@ -70,7 +71,7 @@ def solids(scene: Scene, frame: bool = False) -> dict[str, Manifold]:
 
     Raises InputError for a scene without sheets of prisms or lenses, or with an ideal one.
     """
-    without = [sheet.name for sheet in scene.ideal if sheet.name != "none"]
+    without = [sheet.name for sheet in scene.sheets if isinstance(sheet, Ideal) and sheet.name != "none"]
     if without or not scene.layered:
         allowed = ", ".join(repr(name) for name, kind in SHEETS.items() if issubclass(kind, Layered))
         raise InputError(f"sheet = {(without or ['none'])[0]!r} has no glass; allowed: {allowed}")

@@ -85,7 +85,7 @@ def to_live(scenes: Iterable[Scene] = ()) -> list[Text]:
     What depends on parameters alone is computed in JavaScript: a graphics processor's sine has errors of 2e-5.
     """
     texts = [_text(kind.name, kind.law, tuple(kind.parameters)) for kind in IDEAL.values() if kind is not OwnLaw]
-    own = {sheet.values["law"]: sheet.law for scene in scenes for sheet in scene.ideal if isinstance(sheet, OwnLaw)}
+    own = {sheet.values["law"]: sheet.law for scene in scenes for sheet in scene.sheets if isinstance(sheet, OwnLaw)}
     return texts + [_text(f"law {text}", law) for text, law in own.items()]
 
 

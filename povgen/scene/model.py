@@ -24,7 +24,7 @@ from povgen.scene.scene import Scene
 from povgen.scene.windows import WINDOW, FurtherWindow, Windows, as_windows, replaced_by
 from povgen.sheets import SHEETS
 from povgen.sheets.prisms import SHAPE, shape_of
-from povgen.sheets.sheet import Sheet
+from povgen.sheets.sheet import Ideal, Sheet
 
 APERTURE = 3.0  # the default side of the window, tiles
 VIEW = 3.7  # the default height of the picture in the plane z = 0, tiles, if it shows the whole window frame
@@ -145,6 +145,11 @@ class EyeAndWindows(Scene, ParametersOfSheets):
     def seen_from(self, aside: complex, moved: complex = 0) -> Self:
         eye, look = ((round(z.real, 12), round(z.imag, 12)) for z in (self.E + aside, self.middle + moved))
         return self.replace(eye=eye, look=look, view=self.view)
+
+    @property
+    def ideal(self) -> tuple[Ideal, ...]:
+        """The ideal sheets, the first window's first."""
+        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Ideal))
 
     @property
     def openings(self) -> list[Opening]:

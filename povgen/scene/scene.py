@@ -33,7 +33,7 @@ from povgen.optics.window_trace import trace_windows
 from povgen.record import Record, in_use, info
 from povgen.sheets.layered import Layered
 from povgen.sheets.parameters import WAVELENGTH
-from povgen.sheets.sheet import Ideal, Sheet
+from povgen.sheets.sheet import Sheet
 from povgen.validation import Model, as_flag
 
 PATIENCE = 120  # CPU seconds in which a record's frames are checked; 10,000 frames of a window of prisms take 4
@@ -151,11 +151,6 @@ class Scene(Model):
     def layered(self) -> tuple[Layered, ...]:
         """The sheets of prisms or lenses, in the order of `openings`."""
         return tuple(sheet for sheet in self.sheets if isinstance(sheet, Layered))
-
-    @property
-    def ideal(self) -> tuple[Ideal, ...]:
-        """The ideal sheets, in the order of `openings`."""
-        return tuple(sheet for sheet in self.sheets if isinstance(sheet, Ideal))
 
     @property
     def has_prisms(self) -> bool:

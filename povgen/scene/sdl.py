@@ -130,12 +130,12 @@ def to_pov(
     """Return the scene in POV-Ray's language. Frames of a movie differ only in the values of `#declare` lines.
 
     The header has POV-Ray's command, with `file` as the .pov file's name. `povgen pov -o` also writes the pictures that
-    the text names: without that of the mountains, there is sky alone.
-    Options are the fields size, quality and antialias of `Rendering`.
-    With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in POV-Ray's language (SDL) that
-    replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2 declares before the macro. `found`
-    is the scene's survey (`povgen.scene.survey.survey`), if it is known already. If it is None, rays are traced.
-    `rays` begins the names of the files of a room's rays, of which the text reads that with the number Leg.
+    the text names: without that of the mountains, there is sky alone. Options are the fields size, quality and
+    antialias of `Rendering`. With a mosaic, the camera sees only the mosaic's blocks. `sheet_macro` is text in
+    POV-Ray's language (SDL) that replaces povgen's macro `Sheet(Angle, Centre)`; it may use all that sheets.pov.j2
+    declares before the macro. `found` is the scene's survey (`povgen.scene.survey.survey`), if it is known already. If
+    it is None, rays are traced. `rays` begins the names of the files of a room's rays, of which the text reads that
+    with the number Leg.
 
     Raises InputError if an option is not allowed, and for a transparent background, because povgen composes such a
     picture from two scenes.
@@ -146,8 +146,7 @@ def to_pov(
             "white; allowed: 'sky', 'black' or 'white'"
         )
     sampling = Sampling(**options).suited(scene.has_prisms)
-    scene = scene.fitted(sampling.size)
-    if isinstance(scene, Room):
+    if isinstance(scene := scene.fitted(sampling.size), Room):
         return _room(scene, max_trace_level(scene, found), sampling, file, rays)
     assert isinstance(scene, AxialScene)
     shown_by = cells.template(scene)

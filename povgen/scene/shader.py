@@ -89,7 +89,7 @@ def defines(scene: Scene, names: Sequence[str], grid: Sequence[int]) -> dict[str
         found["TURNED_WINDOWS"] = 1
     if any(any(each.pose[3:]) for each in things):
         found["TURNED_OBJECTS"] = 1
-    laws = any(sheet.name != "none" for sheet in scene.ideal)
+    laws = any(isinstance(sheet, Ideal) and sheet.name != "none" for sheet in scene.sheets)
     features = {"PRISMS": scene.has_prisms, "LAWS": laws, "PUPIL": bool(scene.pupil)}
     features["AXIAL"] = isinstance(scene, AxialScene)
     found |= {name: 1 for name, needed in features.items() if needed}
