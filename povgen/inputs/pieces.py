@@ -37,7 +37,7 @@ class PieceFile:
     path: str
     text: str = field(repr=False)
     options: str = ""  # of a mesh: its size and placing, as the user wrote them
-    note: str = field(default="", repr=False)  # what a user should know of a mesh
+    note: str = field(default="", repr=False, compare=False)  # what a user should know of a mesh
     is_mesh: bool = False
 
     @property
@@ -76,8 +76,10 @@ def as_piece(value: object) -> object:
 
 
 def _recorded(path: str, text: str) -> PieceFile:
-    is_mesh = mesh.is_own(text)
-    return PieceFile(path, text if is_mesh else checked(text), is_mesh=is_mesh)
+    if not mesh.is_own(text):
+        return PieceFile(path, checked(text))
+    file = found[0] if (found := mesh.split(path)) else path
+    return PieceFile(file, text, path.removeprefix(file), is_mesh=True)
 
 
 def from_folder(value: object, folder: str | Path, names: Collection[str] = PIECES) -> object:

@@ -20,7 +20,7 @@ from povgen.optics.opening import Opening
 from povgen.scene import checks, files, traced_rays
 from povgen.scene.scene import Scene
 from povgen.scene.white import WHITE
-from povgen.scene.windows import has_glass, several, stated_as
+from povgen.scene.windows import has_glass, several, stated_as, window_table
 from povgen.validation import Model
 
 MOST_WINDOWS, MOST_OBJECTS = 20, 100
@@ -72,6 +72,18 @@ class Eye(Model):
         (rx, ry, rz), (ux, uy, uz) = (side.tolist() for side in sides)
         x, y, z = (np.array(place) + self.aside * sides[0] + self.above * sides[1]).tolist()
         return Camera((x, y, z), middle, (rx, ry, rz), (ux, uy, uz), self.view)
+
+
+def changed(values: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a room's values with changes. Text or a table for the eye changes only what it states."""
+    eye = values.get("eye")
+    try:
+        before, stated = dict(eye.__repr_args__()) if isinstance(eye, Eye) else eye, window_table(changes.get("eye"))
+    except ValueError:  # the room refuses it
+        stated = None
+    if isinstance(stated, Mapping) and isinstance(before, Mapping) and before.keys() - stated.keys():
+        return {**values, **changes, "eye": {**before, **stated}}
+    return {**values, **changes}
 
 
 def _object(kind: object = None, **values: Any) -> SceneObject:  # noqa: ANN401
@@ -132,8 +144,8 @@ class Room(Scene):
         """Read a room from a TOML file, or from standard input (-): tables [eye], [[window]] and [[object]].
 
         The other parameters stand above these tables. Paths of files are relative to the TOML file's folder; a warning
-        names those that are outside of it. What the file says of a movie is not read. `values` replace the file's.
-        Raises InputError, which names the file.
+        names those that are outside of it. What the file says of a movie is not read. `values` replace the file's;
+        text or a table for the eye changes only what it states. Raises InputError, which names the file.
         """
         text, name, folder = files.text_of(
             path, "room", "a TOML file with tables [eye], [[window]] and [[object]], or --from a picture"
@@ -142,7 +154,7 @@ class Room(Scene):
         try:
             if (scene := table.pop("scene", cls.name)) != cls.name:
                 raise InputError(f"scene = {shown(scene)}: no room; allowed: a room's tables, or a movie of this file")
-            stated = files.in_folder(table, folder) | values
+            stated = changed(files.in_folder(table, folder), values)
             made = cls(**stated)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
@@ -172,6 +184,10 @@ class Room(Scene):
         way = aside - moved
         sides = {"aside": round(eye.aside + way.real, 12), "above": round(eye.above + way.imag, 12)}
         return self.replace(eye=eye.replace(**places, **sides))
+
+    def _replaced_by(self, changes: dict[str, Any]) -> set[str]:
+        changes.update(changed({"eye": self.eye}, changes) if "eye" in changes else {})
+        return set()
 
     @property
     def camera(self) -> Camera:

@@ -14,7 +14,7 @@ from povgen.errors import InputError, shown
 from povgen.files import own_folder
 from povgen.optics.equations import Floats
 from povgen.scene import files
-from povgen.scene.room import Room
+from povgen.scene.room import Room, changed
 from povgen.scene.scene import Scene
 from povgen.scene.scenes import SCENES, AxialScene
 from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by, with_numbers
@@ -324,7 +324,7 @@ class MovieSpec(Model):
         windows = {**self.fixed, **values}.get("window", []) if glass else []
         dropped = replaced_by(values, as_windows(windows))
         kept = {name: value for name, value in self.fixed.items() if name not in dropped}
-        spec = self.replace(fixed={**kept, **values})
+        spec = self.replace(fixed=changed(kept, values))
         scene = spec.scenes("standard")[0]
         if scene.parts:  # the first frame's have swept numbers
             scene = spec._base
@@ -467,7 +467,7 @@ def _with_fixed_table(values: dict[str, Any], folder: str | Path, fixed: Mapping
     for name in stated.keys() & table.keys():
         raise InputError(f"{name}: stated twice, also in the table [fixed]; allowed: only above it")
     values = {name: value for name, value in values.items() if name not in stated}
-    return {**values, "fixed": {**files.in_folder({**stated, **table}, folder), **more}}
+    return {**values, "fixed": changed(files.in_folder({**stated, **table}, folder), more)}
 
 
 def swept_numbers(scene: type[Model]) -> dict[str, int]:

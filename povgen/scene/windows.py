@@ -24,6 +24,9 @@ class FurtherWindow(FurtherParameters):
     )
     sheet: SheetName | None = Field(default=None, description="kind of its sheet (default: the first window's)")
 
+    def __repr__(self) -> str:
+        return repr(dict(self.__repr_args__()))  # as a scene takes it: this class is not public
+
     def _replaced_by(self, changes: dict[str, object]) -> set[str]:
         return replaced_by(changes)
 

@@ -100,6 +100,10 @@ def file(tmp_path):
 
 def test_a_room_is_the_same_in_toml_in_python_and_as_options(file, tmp_path):
     assert Room.load(file) == ROOM
+    moved = ROOM.eye.replace(x=0.5)  # the option changes only what it states
+    assert Room.load(file, eye="x=0.5").eye == ROOM.replace(eye={"x": 0.5}).eye == moved != ROOM.eye
+    assert MovieSpec.load(file, {"eye": "x=0.5"}, ["left.alpha=0:9"]).scenes("draft")[0].eye == moved
+    assert ROOM.replace(eye=Eye(x=0.5)).eye == Eye(x=0.5)
     options = [
         f"--window={text}" for text in ("name=left,x=-1.7,alpha=90", "x=1.7,pitch=25,sheet=refraction,ratio=0.8")
     ]
@@ -119,7 +123,7 @@ def test_options_replace_what_a_file_states(file, tmp_path):
     made = Scene.from_file(tmp_path / "a.png")
     assert made == ROOM.replace(object=Sphere(z=2), background="white")
     assert povgen(["frame", "--from", "a.png", "--eye", "z=-9", *GL, "-o", "b.png"], tmp_path)[0] == 0
-    assert Scene.from_file(tmp_path / "b.png") == made.replace(eye=Eye(z=-9))
+    assert Scene.from_file(tmp_path / "b.png") == made.replace(eye=made.eye.replace(z=-9))
     assert "a.png'" not in refused(["frame", "room.toml", "-o", "room.toml"], tmp_path)  # it would be written over
     assert file.read_text() == TOML
 

@@ -9,7 +9,7 @@ import pytest
 from conftest import povgen, refusal, refused, some
 from PIL import Image
 
-from povgen import Chess, Room, movie, render, to_pov
+from povgen import Chess, Room, Scene, movie, render, save, to_pov
 from povgen.errors import PovrayError
 from povgen.inputs.pieces import PIECES, PieceFile, declared
 from povgen.measure.probes import PiecePositions, decoded
@@ -292,3 +292,4 @@ def test_a_mesh_is_shown_as_the_same_shape_in_povrays_language(tmp_path):
     assert flat["mesh"].place == pytest.approx(flat["box"].place, abs=1e-4)
     room = Room(object=f"kind=piece,piece={tmp_path / 'cube.obj'},height=0.6,z=2")
     assert (room.object[0].z, room.object[0].piece) == (2, mesh.piece)
+    assert Scene.from_file(save(mesh, tmp_path / "a.png", **SMALL)) == mesh

@@ -247,7 +247,7 @@ def test_repr_shows_what_differs_from_the_default():
     assert repr(live(Chess(alpha=90))) == "live(Chess(alpha=90.0))"
     assert repr(Rendering(quality="high")) == "Rendering(quality='high')"
     window = Chess(window="alpha=120,z=2", x=[0, 1])
-    assert repr(window) == "Chess(window=(FurtherWindow(alpha=120.0, z=2.0),), x=(0.0, 1.0))"
+    assert repr(window) == "Chess(window=({'alpha': 120.0, 'z': 2.0},), x=(0.0, 1.0))"
 
 
 def test_the_options_for_type_checkers_are_those_of_a_rendering():
