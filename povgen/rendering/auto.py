@@ -156,7 +156,7 @@ def choose(
     Raises InputError for windows in series and rooms, if no candidate meets the tolerance, and for a tolerance of FLIP
     if flip-evaluator is missing. Raises PovrayError if POV-Ray fails.
     """
-    shown = [view for scene in given for view in views(scene, rendering)]
+    shown = [view for scene in given for view in views(scene.fitted(rendering.size), rendering)]
     if any(scene.pupil or scene.wavelength == WHITE or scene.polarised for scene in shown):
         raise InputError(
             "sheet = 'auto': not with a pupil, polarisers or in white light; allowed: 'detailed', 'ideal' or 'none'"

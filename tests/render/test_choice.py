@@ -51,6 +51,9 @@ def test_the_cheapest_sheet_that_keeps_positions_is_chosen():
         (Chess(alpha=0, **PROBED), 4, "none"),
     ):
         assert choose([scene], STANDARD, Tolerance(px=tolerance))[0].sheet == sheet, scene
+    tall, narrow = Chess(alpha=90, prisms=300, z1=3), Rendering(size=(60, 96))  # whose default view is higher
+    found = [choose([each], narrow, Tolerance(px=4))[0].px for each in (tall, tall.fitted((60, 96)))]
+    assert found[0] == found[1] > 0
 
 
 @pytest.mark.release
