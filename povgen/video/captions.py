@@ -183,8 +183,8 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
         tuple(side_view and bool(np.isnan(scene.image_plane([L], z1)[0])) for L, z1 in scene.objects)
         for scene in scenes
     ]
-    used = {name for scene in scenes for name in used_parameters(scene)}
-    rows = [_numbers(scene, used) for scene in scenes]
+    uses = [used_parameters(scene) for scene in scenes]
+    rows = [_numbers(scene, set().union(*uses)) for scene in scenes]
     found: list[list[str]] = []
     for name in dict.fromkeys(name for row in rows for name in row):
         # the kind of sheet decides what a caption states: the angle of a mirror's line is half of its alpha
@@ -206,7 +206,10 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
                 if len({*zip(texts, imaged, strict=True)}) == len({*texts}):
                     break
             texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
-            found.append([_said(scene, name, text) for scene, text in zip(scenes, texts, strict=True)])
+            lacks = [name in PARAMETERS and name not in own for own in uses]  # another kind of sheet has it
+            found.append(
+                ["" if no else _said(scene, name, text) for scene, text, no in zip(scenes, texts, lacks, strict=True)]
+            )
     turned, sizes = zip(*[_image(scene) for scene in scenes], strict=True)
     known = [nu for nu in turned if np.isfinite(nu)]
     if known and max(known) - min(known) > LEAST_TURN:

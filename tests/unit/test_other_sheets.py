@@ -264,6 +264,12 @@ def test_captions_name_the_parameters_in_words():
     assert "focal length = 4.5 tiles" in texts and "α = 66°" in texts
 
 
+def test_a_movie_of_several_sheets_states_no_angle_of_a_lens():
+    scenes = [Chess(sheet=sheet) for sheet in ("ideal", "mirror", "lens")]
+    said = [caption.texts for caption in captions.captions(scenes, Rendering(caption="short"))]
+    assert said == [["rays turned by α = 66°"], ["mirror line at 33°"], [""]]
+
+
 @pytest.mark.parametrize(
     ("law", "parts"),
     [
