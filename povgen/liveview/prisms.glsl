@@ -128,10 +128,12 @@ Passage passage(Passage ray, int number) {
       p += d * ((surface - p.z) / d.z);
       if (!isInWindow(number, pitch * (axes * p).xy)) {
         ray.end = FRAME;
-#ifdef PATH
-        p = axes * p + vec3(0, 0, sheetCentres[2 * number + at] / pitch);
+        p = axes * p;
         d = axes * d;
+#ifndef PATH
+        p -= d * beyondWindow(number, pitch * p.xy, d.xy) / pitch;
 #endif
+        p.z += sheetCentres[2 * number + at] / pitch;
         break;
       }
       turn = sheetTurns[2 * number + at];

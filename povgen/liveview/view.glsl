@@ -76,17 +76,11 @@ bool endsIn(int w, inout Seen seen, inout vec3 o, float reach) {
     d = seen.passage.direction;
     seen.lost = seen.passage.end == UNFINISHED || seen.passage.end == ABSORBED;
     if (seen.passage.end == FRAME) {
-      vec2 far = p.xy / windowHalf[w], along = d.xy / windowHalf[w];  // p is at a face behind the frame's wall
-      vec2 wall = (sign(along) - far) / along, inwards = wall.x < wall.y ? vec2(-sign(d.x), 0) : vec2(0, -sign(d.y));
-      float back = min(wall.x, wall.y);
+      vec2 far = p.xy / windowHalf[w];
+      vec2 inwards = abs(far.x) > abs(far.y) ? vec2(-sign(far.x), 0) : vec2(0, -sign(far.y));
 #ifdef ROUND_WINDOWS
-      if (windowRound[w]) {
-        float a = dot(along, along), b = dot(far, along);
-        back = (sqrt(max(b * b - a * (dot(far, far) - 1.0), 0.0)) - b) / a;
-        inwards = -normalize((far + back * along) / windowHalf[w]);
-      }
+      if (windowRound[w]) inwards = -normalize(far / windowHalf[w]);
 #endif
-      p += back * d;
       seen.hit = Hit(0.0, WINDOW_FRAME + w, fromWindow(w, vec3(inwards, 0)));
     }
   }

@@ -20,11 +20,11 @@ export const bare = ({ z1, z2, d = 0 }) => z2 / (z2 + d + z1);
 export const thing = () => (hasPiece(state.scene) ? pieceForms(state.piece) : forms("sphere"));
 export const thingAt = (z1) => (hasPiece(state.scene) ? thing() : forms("sphere_at", { z1: brief(z1) }));
 
-// Where a point is, for those who do not see it.
-export function placeSaid([x, y]) {
+// Where a point is, for those who do not see it. `middle` is the name of the sentence for one before or behind the window's middle.
+export function placeSaid([x, y], middle = "middle") {
   const ways = [[x, "right", "left"], [y, "up", "down"]].filter(([x]) => Math.abs(x) >= 0.005)
     .map(([x, more, less]) => say(`place.${x > 0 ? more : less}`, { tiles: tilesText(Math.abs(x)) }));
-  return ways.length ? say("place.from", { list: listed(ways) }) : say("place.middle");
+  return ways.length ? say("place.from", { list: listed(ways) }) : say(`place.${middle}`);
 }
 
 // Where rays go, for those who do not see them: through the window, and from there to the plane of the eye or of the object.

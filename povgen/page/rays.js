@@ -28,7 +28,11 @@ export function traced(now, from, towards) {
       ray.steps.push(...steps);
       ray.points.push(...steps.map((step) => step.place), last);
       ray.direction = direction;
-      if (end === "frame") return lost("wall", within(ray, half, [-Infinity, Infinity])[1]);
+      if (end === "frame") {
+        const way = within(ray, half, [-Infinity, Infinity])[1], wall = along(ray, way);
+        if (way < 0) ray.points.pop();  // at a face behind the wall
+        return { ...ray, kind: "lost", frame: "wall", points: [...ray.points, wall] };
+      }
       if (end !== "through") return { ...ray, kind: end === "back" ? "back" : "lost" };
       if (!designed) ray.kind = "stray";
     } else {

@@ -244,9 +244,9 @@ function dimensions({ z1, z2, d, windows }, { to, low }, ground, rem) {
 // What the drawing shows, in words.
 function says(now, rays, image, field) {
   const { windows, z2, E } = now, count = (kind) => rays.filter((ray) => ray.kind === kind).length;
-  const paths = [];
+  const paths = [], missed = rays.filter(({ kind, frame, points }) => kind === "beside" || (frame === "rim" && points.length > 2)).length;
   if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("back") + count("lost") + count("beside") }));
-  else if (count("beside")) paths.push(say("light.beside", { count: count("beside"), number: count("beside") }));
+  else if (missed) paths.push(say("light.beside", { count: missed, number: missed }));
   if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
   if (field) return say(Math.abs(field.gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(field.gap)) });
   if (state.light === "field") return say("light.no_field");

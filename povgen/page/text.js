@@ -43,7 +43,7 @@ let heardPoints = "";  // where L and E are, as it has been spoken last
 // Where in the window the object's point L is seen.
 function appears(now) {
   const isSeen = !isToBeFound() && !isEmpty() && !now.beside && !now.nearPole && finite(now.place) && !outside(now.place, now.scene);
-  return isSeen ? [say("describe.appears", { P: placeSaid(now.place) })] : [];
+  return isSeen ? [say("describe.appears", { P: placeSaid(now.place, "in_middle") })] : [];
 }
 
 // Of all that is seen, the object; before it, what sheets beyond the paper do.

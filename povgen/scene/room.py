@@ -78,7 +78,8 @@ def changed(values: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
     """Return a room's values with changes. Text or a table for the eye changes only what it states."""
     eye = values.get("eye")
     try:
-        before = dict(eye.__repr_args__()) if isinstance(eye, Eye) else window_table(eye)
+        own = {name: getattr(eye, name) for name in eye.model_fields_set} if isinstance(eye, Eye) else eye
+        before = window_table(own)
         stated = window_table(changes.get("eye"))
     except ValueError:  # the room refuses it
         stated = None

@@ -104,6 +104,7 @@ def test_a_room_is_the_same_in_toml_in_python_and_as_options(file, tmp_path):
     assert Room.load(file, eye="x=0.5").eye == ROOM.replace(eye={"x": 0.5}).eye == moved != ROOM.eye
     assert MovieSpec.load(file, {"eye": "x=0.5"}, ["left.alpha=0:9"]).scenes("draft")[0].eye == moved
     assert ROOM.replace(eye=Eye(x=0.5)).eye == Eye(x=0.5)
+    assert Room([], eye=Eye(view=5)).replace(eye="x=1").eye.model_fields_set == {"view", "x"}  # a stated view stays
     options = [
         f"--window={text}" for text in ("name=left,x=-1.7,alpha=90", "x=1.7,pitch=25,sheet=refraction,ratio=0.8")
     ]

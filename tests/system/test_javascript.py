@@ -121,6 +121,8 @@ def test_rays_end_where_those_of_python_end(page, values):
     last = np.array([ray["points"][-1] for ray in found])
     assert framed.sum() > 80 and all(ray["frame"] for ray, ends in zip(found, framed, strict=True) if ends)
     assert np.linalg.norm(last - wanted.position, axis=-1)[framed].max() < 1e-6
+    ways = [np.array(ray["points"]) for ray in found if ray["frame"] == "wall"]
+    assert all(abs(way[:, :2]).max() < scene.aperture / 2 + 1e-9 for way in ways)  # none is behind the wall
 
 
 def test_the_light_in_the_window_is_that_of_results(page):
