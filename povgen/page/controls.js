@@ -356,10 +356,12 @@ for (const n of data.presets.keys()) KEYS[n + 1] = () => player.choose(data.pres
 const needs = (target, key) => target.matches("select, textarea, input:not([type=checkbox], [type=radio], [type=range])")
   || (key === " " && target.matches("button, input, summary, [role=tab]"));
 
+// What a key does, if it is a shortcut here.
+export function shortcut({ target, key, ctrlKey, altKey, metaKey }) {
+  if ($("shortcuts").checked && !document.querySelector("dialog[open]") && !ctrlKey && !altKey && !metaKey && !needs(target, key)) return KEYS[key.toLowerCase()];
+}
 document.addEventListener("keydown", (event) => {
-  const { target, key } = event;
-  if (!$("shortcuts").checked || document.querySelector("dialog[open]") || event.ctrlKey || event.altKey || event.metaKey || needs(target, key)) return;
-  const action = KEYS[key.toLowerCase()];
+  const action = shortcut(event);
   if (!action) return;
   event.preventDefault();
   action();

@@ -12,6 +12,8 @@ export function element(tag, properties, ...children) {
   return made;
 }
 export const pick = (values, ...names) => Object.fromEntries(names.map((name) => [name, values[name]]));
+// An angle in degrees as one from -180 to 180.
+export const wrapped = (angle) => (Math.abs(angle) > 180 ? angle - 360 * Math.round(angle / 360) : angle);
 export const clamped = (x, [least, most]) => Math.min(most, Math.max(least, x));
 
 // Write a text where it has changed: of a live region, a screen reader speaks all that is written.

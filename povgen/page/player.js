@@ -18,6 +18,12 @@ export const player = {
     return { start, stop, log, parameter };
   },
 
+  // What moves in it, in words.
+  from() {
+    const { parameter, start, stop } = this.ends();
+    return say("controls.scrub", { symbol: SYMBOL[parameter], start: quantity(parameter, start), stop: quantity(parameter, stop) });
+  },
+
   value(part) {
     const { start, stop, log } = this.ends();
     return log ? start * (stop / start) ** part : start + (stop - start) * part;
@@ -57,6 +63,7 @@ export const player = {
     this.playing = true;
     this.since = performance.now();
     this.next();
+    $("spoken").textContent = `${say("page.play")}: ${this.from()}`;
     refresh();
   },
 
@@ -117,7 +124,7 @@ export const player = {
     $("play-icon").setAttribute("d", this.playing ? "M1 0H4V10H1ZM6 0H9V10H6Z" : "M1 0L10 5L1 10Z");
     $("scrub").disabled = parameter === "alpha" && ["none", "single"].includes(state.sheet);
     $("scrub").value = 1000 * this.part();
-    $("scrub").setAttribute("aria-label", say("controls.scrub", { symbol: SYMBOL[parameter], start: quantity(parameter, start), stop: quantity(parameter, stop) }));
+    $("scrub").setAttribute("aria-label", this.from());
     $("scrub").setAttribute("aria-valuetext", quantity(parameter, x));
     // beyond the movie's ends the slider does not stand where the value is
     const isIn = Math.abs(this.value(this.part()) - state[parameter]) < 1e-6 * Math.abs(stop - start);

@@ -5,7 +5,7 @@ import { onArrows, onDrag } from "../liveview/pointer.js";
 import { steppedEye } from "../liveview/presets.js";
 import { still } from "../liveview/readout.js";
 import { LiveView } from "../liveview/view.js";
-import { $, data, element, on, refresh } from "./data.js";
+import { $, data, element, on, refresh, wrapped } from "./data.js";
 import { printPicture } from "./handouts.js";
 import { brief, fixed, listed, say, separator } from "./language.js";
 import { ofKind, pieceName } from "./phrases.js";
@@ -165,7 +165,6 @@ on("rooms-reset", "click", () => (session.moved = {}));
 
 // ---- What is said ----
 
-const within = (angle) => ((((angle + 180) % 360) + 360) % 360) - 180;
 const degrees = (angle) => `${fixed(angle, 1)}°`;
 /** @type {(of: any) => string} */
 const place = ({ x, y, z }) => `(${[x, y, z].map(brief).join(separator())})`;
@@ -211,7 +210,7 @@ export function drawRoom() {
     const [each] = several.filter(({ sheet }) => name !== "alpha" || usesAlpha(sheet));
     $(`rooms-row-${name}`).hidden = !each || (name !== "alpha" && several.length > 1);
     if (!each) continue;
-    $(`rooms-${name}`).value = within(each[name]);
+    $(`rooms-${name}`).value = wrapped(each[name]);
     $(`rooms-${name}`).setAttribute("aria-valuetext", degrees(each[name]));
     $(`rooms-is-${name}`).textContent = degrees(each[name]);
   }

@@ -1,7 +1,7 @@
 // What the page shows. Lengths are in tiles, points are [x, y] as the eye sees them.
 
 import { frameFoot, hasPiece } from "../liveview/presets.js";
-import { clamped, data, pick } from "./data.js";
+import { clamped, data, pick, wrapped } from "./data.js";
 import { brief, entry, isAngle, say, SETTINGS, SYMBOL } from "./language.js";
 
 export const FLOOR = frameFoot(data.scenes.chess);
@@ -70,6 +70,7 @@ export function change(values) {
   if (values.scene && values.scene !== state.scene) values = { ...START[values.scene], ...values };
   Object.assign(state, values);
   session.refusals = [];
+  for (const name of ["alpha", "alpha2"]) state[name] = wrapped(state[name]);
   /** @type {(name: string, x: number, range: number[], more?: { unit?: string, lower?: string }) => any} */
   const limited = (name, x, [least, most], { unit = "", lower = "least" } = {}) => {
     const kept = clamped(x, [least, most]);

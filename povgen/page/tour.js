@@ -4,6 +4,7 @@
 import { radians } from "../liveview/geometry.js";
 import { rewriteQuestion } from "./asking.js";
 import { minus, plus, scaled, times, turn } from "./complex.js";
+import { shortcut } from "./controls.js";
 import { $, data, on, pick, refresh } from "./data.js";
 import { inTab } from "./kept.js";
 import { entry, isAngle, say } from "./language.js";
@@ -196,5 +197,6 @@ document.addEventListener("keydown", (event) => {
     Object.assign(tour, { asked: true, paused: true });
     tour.draw();
     $("tour-pause").focus();
-  } else if (!["Tab", "Enter", " ", "Shift", "Control", "Alt", "Meta", "CapsLock", "Insert"].includes(event.key)) taken(event);
+  } else if (shortcut(event)) tour.leave(true);
+  else if (/^(Arrow|Page|Home|End)/.test(event.key)) taken(event);
 }, true);

@@ -27,6 +27,7 @@ def test_presets_play_loop_stop_and_scrub(page):
     assert page.evaluate("[state.z1, player.playing]") == [0.6, False]
     page.evaluate("player.seek(0.99)")
     page.get_by_role("button", name="Play").click()
+    expect(page.locator("#spoken")).to_have_text("Play: z₁ from 0.6 tiles to 12 tiles")
     page.wait_for_function("!player.playing")
     assert page.evaluate("state.z1") == 12
     page.get_by_label("Loop").check()

@@ -206,6 +206,14 @@ def test_a_step_waits_until_its_picture_can_be_drawn(tour):
     tour.wait_for_function("tour.passed > 0")
 
 
+def test_a_key_that_does_nothing_leaves_it_running(tour):
+    for key in ("h", "F7", "Insert"):
+        tour.keyboard.press(key)
+    assert tour.evaluate("tour.step") == 0
+    tour.keyboard.press("p")  # a shortcut
+    assert tour.evaluate("tour.step") == -1
+
+
 def test_an_address_takes_over(tour):
     tour.evaluate("location.hash = '#question=near'")
     tour.wait_for_function("tour.step < 0")
