@@ -37,8 +37,8 @@ OPTIONS = """
 ## Options
 
 In Python and in TOML files a parameter has the option's name, with `_` in place of `-`. In parentheses: the defaults.
-`--no-NAME` turns a switch off. An option with … can be repeated. `povgen COMMAND --help` lists those of a
-command, and also says what [its own options](#of-commands) do.
+`--no-NAME` turns a switch off. An option with … can be repeated. `povgen COMMAND --help` explains all options
+of a command, also [its own](#of-commands).
 """
 KINDS = """
 ## Sheets

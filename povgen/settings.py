@@ -257,7 +257,7 @@ class Rendering(Sampling):
     caption: Literal["none", "short", "full"] | None = Field(
         default=None,
         description="below the picture: none, short (what moves, or the sheets' parameters) or full (with predicted nu "
-        "and M) (default: none; of a movie's file short)",
+        "and M) (default: none; short for a movie's file)",
     )
     note: Note = Field(
         default="",

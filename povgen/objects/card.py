@@ -12,7 +12,7 @@ from povgen.objects.placed import Length
 
 
 class Card(Board):
-    """A rectangle with a picture. It is as high as the picture's sides say. Its place is the middle."""
+    """A rectangle with a picture. Its height follows from the picture's proportions. Its place is the middle."""
 
     kind = "card"
     title = "picture"

@@ -52,7 +52,7 @@ class End(IntEnum):
     BACK = 1  # leaves on the side that it came from
     FRAME = 2  # meets the window frame
     UNFINISHED = 3  # has met the greatest allowed number of faces
-    BESIDE = 4  # passes beside a window, after another one
+    BESIDE = 4  # passes beside every window, or beside one of windows in series
     BLOCKED = 5  # meets an ideal sheet through which no light of this direction passes
     ABSORBED = 6  # meets a black top of a prism
 

@@ -261,7 +261,7 @@ QUANTITIES = {
     "nu": Quantity(
         lambda scene: scene.nu_and_M(scene.distances[0])[0],
         "degrees",
-        "angle by which it appears turned; NaN if a sheet does not only rotate light",
+        "angle by which it appears turned; NaN if a sheet also does something else",
         stacks=True,
     ),
     "M": Quantity(
@@ -280,7 +280,7 @@ QUANTITIES = {
     "blur": Quantity(
         lambda scene: traced_image(scene).blur,
         "tiles",
-        "RMS distance, in the plane z = 0, of a point's images by single prisms from their mean",
+        "RMS spread, in the plane z = 0, of a point's images by the single prisms",
     ),
     "designed": Quantity(
         lambda scene: _shares(scene).designed, "", "share of the eye's rays to the window on the designed path, 0 to 1"
@@ -299,18 +299,18 @@ QUANTITIES = {
     "pupil_blur": Quantity(
         lambda scene: pupil.rms(scene) / ARCMINUTE,
         "arcminutes",
-        "RMS blur of a point by the pupil, as predicted; a radius, with the parameter focus",
+        "predicted RMS radius of a point's blur by the pupil, at the parameter focus",
         in_rooms=True,
     ),
     "prism_blur": Quantity(
         lambda scene: _rms_arcmin(entering(scene).by_prisms),
         "arcminutes",
-        "the same by the finite size of the prisms, by the ray trace",
+        "the same because of the prisms' finite size, ray-traced",
     ),
     "seen_blur": Quantity(
         lambda scene: _rms_arcmin(sum(entering(scene))),
         "arcminutes",
-        "the same by pupil and prisms together, by the ray trace",
+        "the same because of pupil and prisms together, ray-traced",
     ),
     "closest": Quantity(
         lambda scene: _convergence(scene).z, "tiles", "z of the plane where the object's light is closest together"

@@ -110,7 +110,7 @@ class Sweep(Model):
                 raise ValueError("spacing = 'log': not for points; allowed: linear")
             if min(given) <= 0 <= max(given):
                 raise ValueError(
-                    f"spacing = 'log': 0 lies between {min(given):g} and {max(given):g}; "
+                    f"spacing = 'log': {min(given):g} to {max(given):g} contains 0; "
                     "allowed: all values above or all below 0, or spacing = 'linear'"
                 )
 

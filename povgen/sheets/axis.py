@@ -26,7 +26,7 @@ class AxisRotation(Ideal):
         Parameter(
             "axis",
             "axis of rotation as X,Y,Z, to the right, up and away from the eye, each from -1 to 1, one at least 0.001; "
-            "chess and spheres with the sheet axis have alpha 15 by default",
+            "in chess and spheres, --sheet axis has alpha 15 by default",
             (0.0, 1.0, 0.0),
             -1,
             1,

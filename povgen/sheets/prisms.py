@@ -41,7 +41,7 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "length of a prism, 1 at full aperture; the least depends on index and base angle; below 2",
+        "length of a prism; 1: every ray along z is designed; below 2, least by index, base angle",
         Prism.aspect,
         0,
         2,

@@ -23,7 +23,7 @@ class ViewRotator(Ideal):
         of(ALPHA),
         Parameter(
             "view_distance",
-            "distance of the plane that appears rigid, 0.1 to 100 tiles",
+            "distance of the plane that appears undistorted, 0.1 to 100 tiles",
             2,
             0.1,
             100,

@@ -71,9 +71,9 @@ def test_edges_of_a_profile_are_no_black_tops():
 def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
     rays = found(partial=np.random.default_rng(2), most=250)
     white = rays.end <= End.BACK
-    (stated,) = re.findall(r"(\d+) % of its light comes by paths", words_of("beyond.md"))
+    (stated,) = re.findall(r"(\d+) % of its light comes by partial reflections", words_of("beyond.md"))
     assert 100 * rays.reflected[white].mean() == pytest.approx(int(stated), abs=1.5)
-    (bright,) = re.findall(r"frame has ([\d.]+) of the brightness of its", words_of("beyond.md"))
+    (bright,) = re.findall(r"followed has ([\d.]+) of their brightness", words_of("beyond.md"))
     assert white.mean() == pytest.approx(float(bright), abs=0.01)
 
 

@@ -102,7 +102,7 @@ def test_notes_of_parts_of_a_movie():
     [
         ({"start": 1, "stop": 3, "ease": ["start", "stop"]}, "ease = ('start', 'stop'): two words; allowed: one, or "),
         ({"start": 1, "stop": 3, "via": 3}, "via = 3: equal to start or stop; allowed: any other value"),
-        ({"start": 1, "stop": 3, "via": -1, "spacing": "log"}, "0 lies between -1 and 3; allowed: all values above"),
+        ({"start": 1, "stop": 3, "via": -1, "spacing": "log"}, "-1 to 3 contains 0; allowed: all values above"),
         (
             {"values": [1, 2], "via": 3},
             "values: given with start, stop, via, spacing or ease; allowed: values, or start",
