@@ -152,6 +152,7 @@ export function lightInWindow(now) {
 
 const RADIUS = 0.6, START = 1;     // of the loop, and of rays, from the axis through L; how far before the first window the loop begins
 const LENGTH = 2, PARTS = 240;     // tiles, of the rays
+export const FIELD_RAYS = 24;      // unless some miss the window
 
 // The depth of L, complex, for an eye at the distance w before the first window.
 const depthBefore = ({ z1, alpha, behind }, w) => equations.depth(z1, w, alpha, behind);
@@ -160,7 +161,7 @@ export const hasField = (now) => Boolean(now.Z || now.two) && !now.glass;
 // Rays from L, traced through the windows to some way before the first one: [start, end] of each, there.
 export function fieldRays(now) {
   const { L, z1, windows } = now, object = [...L, windows.at(-1).z + z1];
-  const places = [RADIUS / 2, RADIUS].flatMap((radius) => Array.from({ length: 12 }, (_, k) => scaled(radius, turn((k * Math.PI) / 6))));
+  const places = [RADIUS / 2, RADIUS].flatMap((radius) => Array.from({ length: FIELD_RAYS / 2 }, (_, k) => scaled(radius, turn((4 * k * Math.PI) / FIELD_RAYS))));
   return places.map((place) => traced(now, object, [...place, -z1])).filter(({ kind, direction }) => kind === "designed" && direction[2] < 0)
     .map(({ points, direction }) => [points.at(-1), points.at(-1).map((x, k) => x + (direction[k] * LENGTH) / -direction[2])]);
 }

@@ -11,7 +11,7 @@ import { angle, brief, say, tilesText } from "./language.js";
 import { seenAt, SHOWN } from "./moment.js";
 import { outlineOf } from "./outline.js";
 import { imagePlace, lightShares, raysSaid, thing } from "./phrases.js";
-import { at, bundle, fieldRays, hasField, meeting, perpendicularLoop } from "./rays.js";
+import { at, bundle, FIELD_RAYS, fieldRays, hasField, meeting, perpendicularLoop } from "./rays.js";
 import { along, arrowhead, dot, heading, line, svg, words } from "./shapes.js";
 import { CAMERAS, FLOOR, isEmpty, session, state } from "./state.js";
 import { passage } from "./trace.js";
@@ -248,7 +248,10 @@ function says(now, rays, image, field) {
   if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("back") + count("lost") + count("beside") }));
   else if (missed) paths.push(say("light.beside", { count: missed, number: missed }));
   if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
-  if (field) return say(Math.abs(field.gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(field.gap)) });
+  if (field) {
+    const loop = say(Math.abs(field.gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(field.gap)) });
+    return fieldRays(now).length < FIELD_RAYS ? `${loop} ${say("light.through_window")}` : loop;
+  }
   if (state.light === "field") return say("light.no_field");
   if (state.light === "aim") return say("light.aim", { what: seenBy(now, rays[0]) });
   if (state.light === "eye") return [say("light.eye", { number: rays.length }), ...paths].join(" ");

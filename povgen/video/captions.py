@@ -206,7 +206,11 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
                 if len({*zip(texts, imaged, strict=True)}) == len({*texts}):
                     break
             texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
-            lacks = [name in PARAMETERS and name not in own for own in uses]  # another kind of sheet has it
+            # another kind of sheet has it
+            lacks = [
+                plain in PARAMETERS and (name not in own if name == plain else not value)
+                for own, value in zip(uses, values, strict=True)
+            ]
             found.append(
                 ["" if no else _said(scene, name, text) for scene, text, no in zip(scenes, texts, lacks, strict=True)]
             )

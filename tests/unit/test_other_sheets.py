@@ -268,6 +268,10 @@ def test_a_movie_of_several_sheets_states_no_angle_of_a_lens():
     scenes = [Chess(sheet=sheet) for sheet in ("ideal", "mirror", "lens")]
     said = [caption.texts for caption in captions.captions(scenes, Rendering(caption="short"))]
     assert said == [["rays turned by α = 66°"], ["mirror line at 33°"], [""]]
+    windows = {"sheet": "ideal", "alpha": 30}, {"sheet": "lens", "focal_length": 3}
+    scenes = [Chess(sheet="ideal", window=[{"z": 2, **window}]) for window in windows]
+    said = [caption.texts for caption in captions.captions(scenes, Rendering(caption="short"))]
+    assert said == [["α₂ = 30°", ""], ["", "focal length₂ = 3 tiles"]]
 
 
 @pytest.mark.parametrize(

@@ -119,6 +119,10 @@ def test_a_loop_perpendicular_to_the_rays_does_not_close(page):
     assert angles == pytest.approx([0, 0, 0], abs=1e-3)
     expect(page.locator(SAYS)).to_contain_text(f"its end is {gap:.3g} tiles away from its start")
     assert drawn(page, "designed") == 24 and page.locator("#space .gap").count() == 1
+    expect(page.locator(SAYS)).not_to_contain_text("Only rays through the window")
+    show(page, L=[1.3, -0.85])
+    assert 0 < drawn(page, "designed") < 24
+    expect(page.locator(SAYS)).to_contain_text("Only rays through the window are drawn.")
     show(page, alpha=180)
     expect(page.locator(SAYS)).to_contain_text("it closes: this light has wave fronts")
     expect(page.locator("#space .gap")).to_have_count(0)
