@@ -82,7 +82,7 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.go_back()
     page.wait_for_function("povgen.state.state.question < 0 && povgen.state.state.light === 'pencil'")
     page.evaluate("povgen.look.present(true)")
-    lesson = page.get_by_role("group", name="Stunde")
+    lesson = page.get_by_role("group", name="Vorführen")
     lesson.get_by_role("button", name="Stunde: weiter").click()
     page.wait_for_function("povgen.state.state.alpha === 90")  # after the link that was opened last
     page.reload()

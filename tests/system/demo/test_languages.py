@@ -42,8 +42,8 @@ def test_the_language_is_changed_and_kept_in_the_address(page):
     expect(page.locator("#ask")).to_contain_text("In welchem Sinn dreht sich der Springer?")
     page.evaluate("fromHash('#language=fr'); draw()")
     expect(page.locator("#reset")).to_have_text("Réinitialiser")
-    page.locator("#number-alpha").fill("181")
-    expect(page.locator("#sentence")).to_contain_text("180°")
+    page.locator("#number-z1").fill("0,1")
+    expect(page.locator("#sentence")).to_contain_text("0,581")
 
 
 def test_from_right_to_left_the_picture_and_numbers_stay(page):
