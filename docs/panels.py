@@ -69,7 +69,7 @@ FINE = CHESS.replace(z1=2.5)
 PREDICTED = CHESS.replace(predicted_image=True)
 IMAGE = {"predicted image": (0.7 - 1.1j, 0.48 - 0.65j)}
 OUTLINED = CHESS.replace(alpha=40, direct_image=True)
-DIRECT = {"without sheets": (-0.93 - 1j, -0.3 - 0.63j)}
+DIRECT = {"without sheets": (-0.78 + 0.92j, 0.01 + 0.51j)}
 EMPTY = {"sheet": "none", "window": "sheet=none,z=2"}
 TWO = CHESS.replace(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1))
 PUPIL = Chess(sheet="ideal", alpha=0, z1=3, pupil=0.3, view=3.3)
@@ -105,7 +105,7 @@ def measured(scene: Chess) -> str:
     """Return by how much the piece is turned: measured, and as predicted for these sheets."""
     (found,) = agreement.pieces([scene])
     sheets = "ideal sheet" if scene.sheet == "ideal" else "100 prisms"
-    return f"{sheets}: turned {found.nu:.1f}°, predicted {scene.nu_and_M(scene.z1)[0]:.1f}°"
+    return f"{sheets}: {found.nu:.1f}°, predicted {scene.nu_and_M(scene.z1)[0]:.1f}°"
 
 
 PANELS: dict[str, list[Panel]] = {
@@ -235,7 +235,7 @@ OTHERS: dict[str, list[Panel]] = {
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "polarisers parallel: 34 % of designed", names={"stray light": (0.55 + 1.17j, -0.34 + 1.03j)}),
+        Panel(POLARISED, "parallel: 34 % of designed light"),
         Panel(CROSSED, "crossed: 1.5 % of designed light"),
         Panel(
             CROSSED,
