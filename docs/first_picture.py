@@ -33,15 +33,16 @@ def main(output: Path, alphas: Sequence[int]) -> None:
 
 
 def animation(frames: NDArray[np.uint8]) -> bytes:
-    """Return a WebP file. After the first frame it has only the rectangle in which frames differ.
+    """Return a WebP file (chunks as in Google's WebP Container Specification) of frames (n, height, width, 3).
 
-    Pillow's own animations leave pixels of the frame before, where they are nearly alike: one sees it as a grid.
+    Each frame after the first has only the rectangle in which frames differ. Pillow's own animations keep pixels of
+    the frame before where they are nearly alike, which looks like a grid.
     """
     moves = (frames != frames[0]).any((0, 3))
     (top, bottom), (left, right) = (np.flatnonzero(moves.any(axis))[[0, -1]].tolist() for axis in (1, 0))
     top, left = top // 2 * 2, left // 2 * 2  # offsets are stored as halves
     height, width = frames.shape[1:3]
-    parts = [_chunk(b"VP8X", bytes([2, 0, 0, 0]) + _sizes(width, height)), _chunk(b"ANIM", bytes(6))]
+    parts = [_chunk(b"VP8X", bytes([2, 0, 0, 0]) + _sizes(width, height)), _chunk(b"ANIM", bytes(6))]  # 2: animated
     for n, frame in enumerate(frames):
         y, x = (top, left) if n else (0, 0)
         part = frame[y : bottom + 1, x : right + 1] if n else frame

@@ -108,7 +108,7 @@ function scene(now) {
     ...(marksP(now) ? [room([...place, 0], 0.8, 0.8, 2.3, 0.4)] : []),
     ...(near ? [room(near, wide, wide, 0.6, 2.4)] : []),
   ];
-  const field = state.light === "field" && hasField(now) ? perpendicularLoop(now) : null;
+  const field = state.light === "field" && hasField(now) ? { ...perpendicularLoop(now), rays: fieldRays(now) } : null;
   if (field) extent.push(...field.points.map((point) => room(point)));
   return { extent, squeeze, says: says(now, rays, image, field), where: raysSaid(now, rays), parts: (view, rem) => [
     ...floor(now, view, ground),
@@ -116,7 +116,7 @@ function scene(now) {
     ...[...windows].reverse().flatMap((window) => windowParts(now, window, view)),
     ...objectParts(now, view),
     ...rayParts(now, shown, image, view, rem),
-    ...(field ? fieldParts(now, field, view, rem) : []),
+    ...(field ? fieldParts(field, view, rem) : []),
     ...eyeParts(eye, view, rem),
     ...names(now, { object, eye, image: near }, view, rem),
     hold("E", eye, view, rem), hold("L", [L[0], L[1] + (presets.hasPiece(state.scene) ? 0.5 : 0), object[2]], view, rem),
@@ -199,8 +199,8 @@ function endOnFloor(points) {
   if (to[1] < FLOOR && part >= 0) points[points.length - 1] = from.map((x, k) => x + part * (to[k] - x));
 }
 
-function fieldParts(now, { points, gap }, { to }, rem) {
-  const rays = fieldRays(now).flatMap(([from, end]) => {
+function fieldParts({ points, gap, rays: traced }, { to }, rem) {
+  const rays = traced.flatMap(([from, end]) => {
     const [a, b] = [from, end].map(to);
     return [path("ray designed", [from, end], to), arrowhead("head ray", b, heading(a, b), 0.45 * rem)];
   });
@@ -250,7 +250,7 @@ function says(now, rays, image, field) {
   if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
   if (field) {
     const loop = say(Math.abs(field.gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(field.gap)) });
-    return fieldRays(now).length < FIELD_RAYS ? `${loop} ${say("light.through_window")}` : loop;
+    return field.rays.length < FIELD_RAYS ? `${loop} ${say("light.through_window")}` : loop;
   }
   if (state.light === "field") return say("light.no_field");
   if (state.light === "aim") return say("light.aim", { what: seenBy(now, rays[0]) });

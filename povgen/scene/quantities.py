@@ -261,7 +261,7 @@ QUANTITIES = {
     "nu": Quantity(
         lambda scene: scene.nu_and_M(scene.distances[0])[0],
         "degrees",
-        "angle by which it appears turned; NaN if a sheet also does something else",
+        "angle by which it appears turned; NaN unless all sheets only rotate light",
         stacks=True,
     ),
     "M": Quantity(

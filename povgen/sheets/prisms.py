@@ -41,7 +41,8 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "length of a prism; 1: every ray along z is designed; below 2, least by index, base angle",
+        "length of a prism; 1: just long enough that all light along z is designed; the least depends on index and "
+        "base angle; below 2",
         Prism.aspect,
         0,
         2,

@@ -206,7 +206,7 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
                 if len({*zip(texts, imaged, strict=True)}) == len({*texts}):
                     break
             texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
-            # another kind of sheet has it
+            # a frame states nothing of a parameter that its own sheet does not have
             lacks = [
                 plain in PARAMETERS and (name not in own if name == plain else not value)
                 for own, value in zip(uses, values, strict=True)

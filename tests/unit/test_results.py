@@ -243,7 +243,7 @@ def test_a_dataset(tmp_path, monkeypatch):
         assert data.designed.attrs["ancillary_variables"] == "designed_error" and "nu_error" not in data
         assert data.nu.attrs == {
             "units": "degrees",
-            "long_name": "angle by which it appears turned; NaN if a sheet also does something else",
+            "long_name": "angle by which it appears turned; NaN unless all sheets only rotate light",
         }
         (stated,) = json.loads(data.attrs["record"]).values()
         record = info(tmp_path / "study.nc")
