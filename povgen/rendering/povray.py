@@ -376,8 +376,9 @@ def _read_last(pipe: IO[bytes], last: bytearray, part: Callable[[float], None] |
             last += block
             if part and (found := RENDERED.findall(last)):
                 pixels, all_ = map(int, found[-1])
-                part(pixels / all_ - known)
-                known = pixels / all_
+                after = max(known, pixels / all_)  # threads of POV-Ray can report out of order
+                part(after - known)
+                known = after
                 last[:] = RENDERED.sub(b"", last)
             del last[:-MAX_MESSAGES]
 

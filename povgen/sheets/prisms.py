@@ -41,7 +41,7 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "length of a prism; 1: just long enough that all light along z is designed; the least depends on index and "
+        "length of a prism; 1: just enough for all light along z to be designed; least by index and "
         "base angle; below 2",
         Prism.aspect,
         0,

@@ -33,6 +33,24 @@ def test_a_picture_larger_than_povray_keeps_in_memory_by_itself(tmp_path):
     assert frames.read_png(povray.run("camera { location 0 }", large, tmp_path)).shape == (2400, 3200, 3)
 
 
+def test_progress_never_goes_back():
+    """POV-Ray's threads can report out of order."""
+    reader, writer = os.pipe()
+    said = [f"\rRendered {number} of 100 pixels ({number}%)".encode() for number in (40, 30, 100)]
+    found = []
+
+    def part(share):
+        found.append(share)
+        if said:
+            os.write(writer, said.pop(0))
+        else:
+            os.close(writer)
+
+    os.write(writer, said.pop(0))
+    povray._read_last(os.fdopen(reader, "rb"), bytearray(), part)
+    assert found == pytest.approx([0.4, 0, 0.6])
+
+
 def test_qualities():
     names = ("draft", "standard", "high", "hd")
     assert [Rendering(quality=q).size for q in names] == [(320, 240), (960, 720), (960, 720), (1920, 1080)]
