@@ -19,7 +19,8 @@ def main() -> None:
         )
     # povgen has no large matrices: further threads of numpy would only wait, and waiting takes CPU time
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    gc.set_threshold(7000)  # more than Python's default: loading makes many objects, and nearly all of them stay
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")  # povgen has none: a search for them reads many files
+    gc.set_threshold(100_000)  # more than Python's default: loading makes many objects, and nearly all of them stay
     from povgen import stopping  # Windows cannot import it
 
     stopping.on_signals()

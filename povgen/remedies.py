@@ -5,8 +5,7 @@ import os
 import shlex
 import shutil
 from pathlib import Path
-from urllib.parse import urlsplit
-from urllib.request import url2pathname
+from urllib.parse import unquote, urlsplit
 
 # For each program that installs a system's packages: the packages of POV-Ray, of Mesa's OpenGL without a window, and of
 # the program ffmpeg. Homebrew and conda-forge have no Mesa that draws without a window: macOS has its own OpenGL, and a
@@ -45,5 +44,5 @@ def extra(name: str) -> str:
     source = "povgen"
     for file in CHECKOUT.glob("povgen-*.dist-info/direct_url.json"):
         origin = urlsplit(json.loads(file.read_text())["url"])
-        source = url2pathname(origin.path) if origin.scheme == "file" else source
+        source = unquote(origin.path) if origin.scheme == "file" else source
     return f"pip install {shlex.quote(f'{source}[{name}]')}"

@@ -105,9 +105,15 @@ class Model(BaseModel):
 
     @classmethod
     def _sign(cls) -> None:
-        """Give the class a signature with types, without their ranges."""
-        kinds = get_type_hints(cls)
-        cls.__signature__ = Signature(
+        cls.__signature__ = _TypedSignature()  # type: ignore[assignment]
+
+
+class _TypedSignature:
+    """The signature of a class of models, with types, without their ranges. It is made when it is read, for help()."""
+
+    def __get__(self, _: Model | None, owner: type[Model]) -> Signature:
+        kinds = get_type_hints(owner)
+        return Signature(
             [
                 Parameter(
                     name,
@@ -115,7 +121,7 @@ class Model(BaseModel):
                     default=Parameter.empty if field.is_required() else field.default,
                     annotation=kinds[name],
                 )
-                for name, field in cls.model_fields.items()
+                for name, field in owner.model_fields.items()
             ]
         )
 

@@ -111,9 +111,9 @@ def test_other_processes_find_the_same(monkeypatch, capsys, talking):
     alone = results(SCENES, "M", "seen_x", progress=False, workers=1)
     monkeypatch.setattr(module, "PATIENCE", 0)
     together = results(SCENES, "M", "seen_x", workers=2)
-    assert list(together) == list(alone) and all(
-        np.array_equal(together[name], alone[name], equal_nan=True) for name in alone
-    )
+    assert list(together) == list(alone)
+    for name in alone:  # numpy rounds differently with another number of threads
+        np.testing.assert_allclose(together[name], alone[name], rtol=1e-12, atol=1e-12)
     assert capsys.readouterr().err.splitlines() == [f"results: {n}/6 scenes" for n in range(1, 7)]
 
 
