@@ -52,7 +52,6 @@ class Panel(NamedTuple):
     side_view: bool = False  # below all panels
     section: str = ""  # the prisms' tops, in a drawing of a prism below the panel
     brighter: float = 1  # factor of the light in the window
-    aside: bool = False  # only beside what an ideal sheet would show before black
     size: tuple[int, int] = SIZE
 
 
@@ -193,11 +192,7 @@ PANELS: dict[str, list[Panel]] = {
         )
     ],
     "lenticular": [
-        Panel(
-            BUILT.replace(prisms=200),
-            "Dove prisms, α = 66°: sharp",
-            names={"stray light": (0.68 - 0.02j, 0.78 - 0.9j, 0.97 - 0.35j)},
-        ),
+        Panel(BUILT.replace(prisms=200), "Dove prisms, α = 66°: sharp"),
         Panel(BUILT.replace(sheet="lenticular", lenses=200), "cylindrical lenses, f/3: blurred"),
         Panel(
             BUILT.replace(sheet="lenticular", lenses=200, f_number=6),
@@ -218,19 +213,14 @@ OTHERS: dict[str, list[Panel]] = {
             names={
                 "ghost": (0.19 + 0.82j, -0.17 + 0.61j),
                 "another ghost": (0.38 - 1.2j, -0.03 - 0.94j),
-                "brightness × 1.5": (0.44 + 1.1j,),
                 "enlarged × 4": (-0.545 - 0.47j,),
             },
             magnify=-0.04 - 0.085j,
-            brighter=1.5,
             size=TALL,
         ),
         Panel(
             WHITE.replace(prisms=500, look=(0.25, -0.05)),
             "through prisms: sharp",
-            names={"faint stray light, × 8": (0.4 + 0.96j, 0.07 + 0.82j), "knight × 1": (0.51 + 0.4j, 0.31 - 0.08j)},
-            brighter=8,
-            aside=True,
             size=NARROW,
         ),
     ],
@@ -268,11 +258,7 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
     picture = render(plain, size=shown.size, **look)
     if shown.brighter != 1:
         opening = picture[window(scene, shown.size)]
-        bright = mixed([opening], [shown.brighter * np.eye(3)])
-        if shown.aside:
-            ideal = render(scene.replace(sheet="ideal"), size=shown.size, **look)[window(scene, shown.size)]
-            bright = np.where(ideal.any(-1, keepdims=True), opening, bright)
-        opening[:] = bright
+        opening[:] = mixed([opening], [shown.brighter * np.eye(3)])
     image = Image.fromarray(picture)
     if shown.line:
         _lines(image, [[*map(pixels, shown.line)]], ("white", 6), (ORANGE, 3))
@@ -365,7 +351,7 @@ def main() -> None:
     parts = [pictures[0], *(part for picture in pictures[1:] for part in (gap, picture))]
     rows = [np.concatenate(parts, axis=1)]
     if panels[-1].side_view:
-        rows.append(side_view(panels[-1].scene, *(share * rows[0].shape[1] // 5 for share in (5, 3))))
+        rows.append(side_view(panels[-1].scene, *(share * rows[0].shape[1] // 5 for share in (5, 4))))
     given.output.write_bytes(encode.png(np.concatenate(rows)))
 
 

@@ -12,7 +12,7 @@ from povgen.optics.polarisation import transmission
 
 WAVELENGTHS = {"450 nm": 450e-9, "550 nm": 550e-9, "650 nm": 650e-9}
 LIGHT = {"450 nm": "#1f4fd8", "550 nm": "#2e9e2e", "650 nm": "#d11919"}  # the light's own colours
-FAR = ("#b07a00", "#d1603d", "#7b4b94", "#0b2f55")  # the darker, the farther away the object
+FAR = ("#8a6800", "#c1512d", "#7b4b94", "#0b2f55")  # the darker, the farther away the object
 DASHES = "-", "--", "-.", ":"  # beside colours, for eyes that do not tell them apart
 BLUES = ("#0b1f3a", "#0b4a85", "#1f74c4", "#3a86c8")  # prisms, the lighter the larger alpha
 Z2 = 1.0  # metres

@@ -39,10 +39,11 @@ __all__ = [
     "plain_ticks", "save_drawing", "save_table", "style", "table_rows", "withStroke",
 ]  # fmt: skip
 Floats = NDArray[np.float64]
-PRISMS, IDEAL = "#0b5fa5", "#d1603d"  # a model of the sheets has the same colour in every chart
+PRISMS, IDEAL = "#0b5fa5", "#c1512d"  # a model of the sheets has the same colour in every chart
 GREY = "#5c5c5c"
 LEGIBLE = 7  # points on paper, of most text
-COLOURS = [PRISMS, IDEAL, "#3a7d44", "#7b4b94", "#b58900", "#555555", "#c2185b", "#17a2a2"]
+# the contrast of each with white is at least 4.5
+COLOURS = [PRISMS, IDEAL, "#3a7d44", "#7b4b94", "#8a6800", "#555555", "#c2185b", "#0e7f7f"]
 MARKS = "os^Dv*PX"  # one beside each colour, for eyes that do not tell the colours apart
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 PAPER = 200  # of 255: grids and bands are lighter, and names may be upon them

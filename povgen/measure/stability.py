@@ -37,11 +37,11 @@ MAPS = {made.name: made for made in (  # without rows
         band=("right", limits.MAX_CONDITION, "povgen warns, a factor of\n3 before the lower limit"),
     ),
     StabilityMap(
-        "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
+        "grid", "(f) cells of the ideal camera", "error that povgen states (px): 8 scenes, each with 4 sizes of cells",
+        "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
-        finding="(f) Eye off the axis: the error is at most 1.2 times what povgen states",
-        band=("right", limits.MAX_CAMERA_ERROR, "not used: povgen takes more cells"),
-        groups={"": "8 scenes, each with 4 sizes of cells"},
+        finding="(f) Ideal camera, eye off the axis: the stated error holds within a factor of 1.2",
+        band=("right", limits.MAX_CAMERA_ERROR, "such large cells are not used"),
     ),
     StabilityMap(
         "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",
@@ -71,9 +71,9 @@ MAPS = {made.name: made for made in (  # without rows
     ),
     StabilityMap(
         "trace-level", "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)",
-        LOST, "x",
+        LOST, "xy",
         finding="(d) At povgen's level at most 4 % of pixels are lost",
-        band=("above", LOST, f"more than {LOST:g} % are lost"), dot="dots: povgen's level",
+        band=("above", LOST, f"more than {LOST:g} % are lost"), dot="dots: povgen's level", ends=(0.5, 150),
     ),
     StabilityMap(
         "field", "(e) field angle", "field angle: of the line of sight to the axis (degrees)",
@@ -96,7 +96,7 @@ MAPS = {made.name: made for made in (  # without rows
     ),
     StabilityMap(
         "moire", "(h) sheets nearly parallel", "α N: angle by which rays turn, times the prisms in a sheet (degrees)",
-        "contrast of bands, relative to that at 30°", 1.35,
+        "contrast of dark bands / their contrast at α = 30°", 1.35,
         finding="(h) From αN = 800° on, dark bands are weak",
         band=("left", limits.MOIRE, "povgen warns\n(at 0 the bands are as wide as the window)"), ends=(0.8, 2.5),
     ),

@@ -123,7 +123,7 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
             subs = (1, 2, 5) if most < 30 * least else (1, 3) if most < 300 * least else (1,)
             plain_ticks(getattr(ax, f"{name}axis"), subs)
     bottom = ends[1][0]
-    for x in [x for _, x, y in measured.rows if y == 0] if "y" in measured.log_axes else ():
+    for x in [x for _, x, y in measured.rows if y == 0] if "y" in measured.log_axes and not measured.ends else ():
         ax.plot(x, bottom, "v", color=COLOURS[0], clip_on=False)
         others.append((f"0 at {x:g}", [(x, bottom)], COLOURS[0]))
     if measured.band:
@@ -158,10 +158,12 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
 
 def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
     """Draw points, and circles round those above 1. Return what else to name."""
-    for n, (label, names) in enumerate(_grouped(measured, dict.fromkeys(name for name, *_ in measured.rows)).items()):
-        points = [row for name, *row in measured.rows if name in names]
+    groups = _grouped(measured, dict.fromkeys(name for name, *_ in measured.rows)) if measured.groups else {"": None}
+    for n, (label, names) in enumerate(groups.items()):
+        points = [row for name, *row in measured.rows if names is None or name in names]
         ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
-    ax.legend(frameon=True, fontsize=11)  # a sign beside a name would look like a point
+    if measured.groups:
+        ax.legend(frameon=True, fontsize=11)  # a sign beside a name would look like a point
     for each in ax.lines:
         each.set_label("_")
     ax.axhline(1, color=GREY, linestyle=":", label="as great as stated")

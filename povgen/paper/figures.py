@@ -41,7 +41,7 @@ from povgen.video.outline import outlines
 
 WIDTH = 7.0  # inches: two columns of a journal
 PRINT = {"font.size": 10, "axes.titleweight": "normal", "axes.titlesize": 10, "figure.dpi": 200, "savefig.dpi": 200}
-CONSTANT_ALPHA, CONSTANT_R, PREDICTED = "#0b5fa5", "#d1603d", "#c800ae"
+CONSTANT_ALPHA, CONSTANT_R, PREDICTED = "#0b5fa5", "#c1512d", "#c800ae"
 VIEW = 2.9  # height of a frame, tiles
 
 
@@ -167,7 +167,7 @@ def vary_alpha(rendering: Rendering) -> Captioned:
 def vary_z1(rendering: Rendering) -> Captioned:
     """Draw figure 4: frames of the z1 movie. Insets magnify the piece of the last frames."""
     scenes = [Chess(alpha=90, z1=z1) for z1 in (1, 1.5, 3, 6, 15, 30)]
-    titles = [f"{_at_angle(scene)}, $z_1$ = {scene.distances[0]:g}" for scene in scenes]
+    titles = [f"$z_1$ = {z1:g} tile{'' if z1 == 1 else 's'}" for z1, *_ in (scene.distances for scene in scenes)]
     figure, panels, measured = _compared(scenes, rendering, titles)
     point_at(panels[2], (0.6, -0.48), "predicted image", (0.4, -1.2), PREDICTED, 14)
     half = 0.24
@@ -262,8 +262,8 @@ def _montage(scenes: Sequence[Scene], rendering: Rendering, titles: list[str]) -
     _draw_frames(panels, scenes, rendering)
     for n, title in enumerate(titles):
         entitle(panels[n], n, title, 16 if ideal else 9)
-    for row, text in zip(rows if ideal else (), ("prisms", "ideal sheet") * 2, strict=ideal):
-        row[0].text(-0.07, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center", fontsize=16)
+    for row, text in zip(rows if ideal else (), ("prisms, measured", "ideal sheet, predicted") * 2, strict=ideal):
+        row[0].text(-0.07, 0.5, text, transform=row[0].transAxes, rotation=90, ha="center", va="center", fontsize=13)
     return figure, panels
 
 
@@ -278,7 +278,7 @@ def _compared(
     for ax, scene, (nu, M) in zip(panels, drawn, said, strict=True):
         _outline(ax, scene)
         box = {"facecolor": "white", "edgecolor": "none", "pad": 2, "alpha": 0.85}
-        write(ax, (0, 0.435 * VIEW), rf"$\nu$ = {nu:z.1f}°, $M$ = {M:.2f}", fontsize=16, bbox=box)
+        write(ax, (0, 0.435 * VIEW), rf"$\nu$ = {nu:z.1f}°, $M$ = {M:.2f}", fontsize=12, bbox=box)
     return figure, panels, measured
 
 

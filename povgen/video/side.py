@@ -24,7 +24,7 @@ SMALLER = 0.8  # size of a name that does not fit otherwise, as a multiple of th
 CLEAR, APART = 0.2, 0.6  # least distance of a name from a line, and of a name's end from another name, in its size
 # how much worse a place is where a name covers rays from the eye, or is as near to another thing, in lines of text
 COVERS, UNCLEAR = 1.5, 10.0
-HEADS = (0.2, 0.34, 0.48)  # where light to each point has its arrowhead: parts of the way from there to the first bend
+HEADS = (0.14, 0.27, 0.4)  # where light to each point has its arrowhead: parts of the way from there to the first bend
 FINER = 3  # the lines are drawn on a grid of pixels that is finer by this factor, for smooth edges
 FARTHEST = 4  # what is farther from the eye than this multiple of the farthest window's distance is left out
 HIGHEST = 2  # an image is left out if it reaches farther from the z axis than this multiple of the rest
