@@ -136,15 +136,14 @@ def draw_pieces(ax: Axes, enlarged: Axes) -> None:
     path[1:][jumps != 0] = np.nan
     degrees = np.degrees(turns)
     ax.plot(degrees, 1e6 * demanded, color=IDEAL, linewidth=2)
-    ax.text(170, 84, "what the ideal sheet's\nrays demand", color=IDEAL, ha="right")
+    ax.text(138, 58, "what the ideal sheet's\nrays demand", color=IDEAL, ha="right", va="bottom")
     most = 1e6 * demanded[-1]
     ax.annotate("", (360, most), (360, 0), arrowprops={"arrowstyle": "<->", "color": IDEAL, "shrinkA": 0, "shrinkB": 0})
     ax.annotate(f"{most:.0f} µm", (360, most / 2), (6, 0), textcoords="offset points", color=IDEAL, va="center")
     for each in (ax, enlarged):
         each.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
     text = f"prisms: {np.count_nonzero(jumps)} jumps between pieces,\ntogether {1e6 * jumps.sum():.0f} µm"
-    to = {"color": PRISMS, "arrowprops": {"arrowstyle": "->", "color": PRISMS}}
-    ax.annotate(text.replace("-", "−"), (244, 5), (200, 32), **to)
+    ax.text(200, 14, text.replace("-", "−"), color=PRISMS, va="bottom")
     enlarged.text(5, 10, "prisms, enlarged", color=PRISMS)
     circle = f"circle on the sheet: radius {1e3 * RADIUS:g} mm\n"
     ax.text(5, 125, f"{circle}pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m, α = {ALPHA}°", color=GREY)
