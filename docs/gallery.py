@@ -9,7 +9,7 @@ PAGE = PROJECT / "docs" / "gallery.md"
 WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
-Below each picture is its command: add a size and `-o FILE`.
+Add a size and `-o FILE` to the commands.
 """
 # the last sections: what `make figures` renders, and the movies
 TAIL = """
