@@ -92,7 +92,7 @@ figures: $(VENV)/charts-ready  ## the paper's six figures with their captions, i
 
 gallery: $(GALLERY) $(PANELS) docs/light/irradiance.png $(PRINTED) docs/tolerances/errors.png docs/tolerances/builds.png  ## the pictures of docs/gallery.md, docs/light.md, docs/worksheet.md and docs/tolerances.md
 
-$(PRINTED): ARGUMENTS = frame chess --piece king --floor none --background white --view 2.1 --look 0,0.05 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
+$(PRINTED): ARGUMENTS = frame chess --piece king --floor none --background white --view 2.3 --look 0,0.05 --size 480x480 --antialias 1,0.1,3 $(SHOWS)
 docs/worksheet/free.png: SHOWS = --sheet none --z1 6
 docs/worksheet/far.png: SHOWS = --sheet ideal --alpha 90 --z1 6
 docs/worksheet/near.png: SHOWS = --sheet ideal --alpha 90 --z1 2

@@ -26,7 +26,7 @@ def main(output: Path, alphas: Sequence[int]) -> None:
     scenes = [Chess(sheet="ideal", alpha=alpha, **twins) for alpha in alphas]
     # of many rays a pixel: without noise, they take fewer bytes
     pictures = render(scenes, size=SIZE, renderer="gl", antialias="4x")
-    texts = [Item(f"α = {alpha}°, ideal sheet", "α = 000°, ideal sheet") for alpha in alphas]
+    texts = [Item(f"light is turned by α = {alpha}°", "light is turned by α = 000°") for alpha in alphas]
     below = [strip([text], *SIZE, larger=1.3) for text in texts]
     frames = np.stack([np.concatenate(parts) for parts in zip(pictures, below, strict=True)])
     output.write_bytes(animation(frames))

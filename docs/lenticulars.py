@@ -111,7 +111,7 @@ def chart() -> None:
     with drawn(11.5, 5, CHART, CHART.with_suffix(".svg")) as figure:
         left, right = figure.subplots(1, 2)
         angles = np.arange(0, 31)
-        n = 4000
+        n = 40_000
         for name in DRAWN:
             shape, found = KINDS[name], []
             for angle in np.radians(angles):

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from povgen.measure.browser import chromium
 from povgen.page.page import demo
 
-ADDRESS = "#sheet=ideal&alpha=66&show=position,image"
+ADDRESS = "#sheet=ideal&alpha=66&z1=4&show=position,image"
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from argparse import ArgumentParser
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -52,6 +53,7 @@ class Panel(NamedTuple):
     side_view: bool = False  # below all panels
     section: str = ""  # the prisms' tops, in a drawing of a prism below the panel
     brighter: float = 1  # factor of the light in the window
+    rays: int = 1  # along each side of a pixel, as many times more than usual
     size: tuple[int, int] = SIZE
 
 
@@ -127,7 +129,12 @@ PANELS: dict[str, list[Panel]] = {
             CHESS.replace(sheet="single"),
             "one sheet: what is far is upside down",
             ACROSS,
-            names={"mirror line": (0.9 + 0.25j, 0.9 + 0.03j), "stray light": (-0.9 - 0.62j, -0.75 - 1.05j)},
+            names={
+                "mirror line": (0.9 + 0.25j, 0.9 + 0.03j),
+                "near knight:": (0.85 - 0.38j,),
+                "taller": (0.85 - 0.57j, 0.15 - 0.7j),
+                "stray light": (-0.9 - 0.62j, -0.75 - 1.05j),
+            },
         ),
     ],
     "black-tops": [
@@ -135,7 +142,16 @@ PANELS: dict[str, list[Panel]] = {
         Panel(CHESS.replace(tops="black"), "black tops: most stray light is absorbed", section="black"),
     ],
     "ideal": [
-        Panel(ASIDE.replace(sheet="none"), "without sheets", names={"eye": (0.38 + 0.15j,)}, overlay=True),
+        Panel(
+            ASIDE.replace(sheet="none"),
+            "without sheets",
+            names={
+                "eye": (0.38 + 0.15j,),
+                "foot as seen": (0.5 - 0.68j,),
+                "foot, projected": (0.2 - 1.02j, -0.56 - 0.87j),
+            },
+            overlay=True,
+        ),
         Panel(
             ASIDE.replace(sheet="ideal"),
             "α = 66°: foot where the curves cross",
@@ -221,26 +237,28 @@ OTHERS: dict[str, list[Panel]] = {
         Panel(
             WHITE.replace(prisms=500, look=(0.25, -0.05)),
             "through prisms: sharp",
+            names={"stray light": (0.52 + 0.8j, 0.07 + 0.68j)},
             size=NARROW,
         ),
     ],
     "polarised": [
-        Panel(POLARISED, "parallel: 34 % of designed light"),
-        Panel(CROSSED, "crossed: 1.5 % of designed light"),
+        Panel(POLARISED, "polarisers parallel: 34 % passes", rays=2),
+        Panel(CROSSED, "crossed: 1.5 % passes", rays=2),
         Panel(
             CROSSED,
             "crossed, shown 6 × brighter",
             names={
                 "designed light": (-0.86 + 0.38j, -0.03 - 0.2j),
-                "stray light": (0.95 - 1.31j, 0.45 - 1.1j),
+                "stray light": (0.95 - 1.31j, 0.25 - 0.95j),
             },
             brighter=6,
+            rays=2,
         ),
     ],
     "pupil": [
-        Panel(PUPIL, "α = 0°: sharp"),
-        Panel(PUPIL.replace(alpha=90), "α = 90°: no focus makes it sharp"),
-        Panel(PUPIL.replace(alpha=180), "α = 180°: sharp"),
+        Panel(PUPIL, "α = 0°: knight sharp", rays=2),
+        Panel(PUPIL.replace(alpha=90), "α = 90°: no focus makes it sharp", rays=2),
+        Panel(PUPIL.replace(alpha=180), "α = 180°: knight sharp", rays=2),
     ],
 }
 
@@ -255,7 +273,10 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
         return width / 2 + z.real * height / scene.view, height / 2 - z.imag * height / scene.view
 
     plain = scene.replace(predicted_image=False) if isinstance(scene, Chess) else scene
-    picture = render(plain, size=shown.size, **look)
+    large = render(plain, size=(shown.rays * width, shown.rays * height), **look)
+    starts = [*product(range(shown.rays), repeat=2)]
+    parts = [large[row :: shown.rays, column :: shown.rays] for row, column in starts]
+    picture = mixed(parts, [np.eye(3) / len(starts)] * len(starts))
     if shown.brighter != 1:
         opening = picture[window(scene, shown.size)]
         opening[:] = mixed([opening], [shown.brighter * np.eye(3)])
@@ -313,7 +334,8 @@ def _section(top: str, width: int) -> Picture:
     if black:
         _lines(image, [corners[1:3]], ("black", 8))
     texts = {f"{top} top: {'absorbs' if black else 'reflects'}": (160, 18), "designed light": (374, designed[-1][1])}
-    for text, middle in (texts if black else {**texts, "stray light": (344, 113)}).items():
+    texts["stray light"] = (80, 113) if black else (344, 113)
+    for text, middle in texts.items():
         _name(image, text, middle)
     return np.asarray(image)
 

@@ -106,7 +106,9 @@ def draw_rays(ax: Axes) -> None:
     text += f"to 1.5 tiles before it; black: the point, {Z1:g} tiles behind it"
     ax.annotate(text, (0.5, 0), (0, -45), "axes fraction", "offset points", ha="center", va="top")
     ticks = (-1, -0.5, 0, 0.5, 1)
-    ax.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xlabel="x, tiles", ylabel="y, tiles", xticks=ticks, yticks=ticks)
+    ax.set(
+        xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xlabel="x (tiles)", ylabel="y (tiles)", xticks=ticks, yticks=ticks
+    )
     ax.set_title("Light of a point runs round its axis")
 
 
@@ -121,7 +123,7 @@ def draw_wave_front(ax: Axes) -> None:
         ax.annotate("", (x, w[-1]), (x, START), arrowprops=look)
     ax.axhline(START, color=GREY, linestyle=":")
     ax.text(180, 1.02, "a wave front would come back to where it began", color=GREY, ha="center", va="bottom")
-    ax.set(xlabel="angle on the circle, degrees", ylabel="distance from the sheet (tiles)")
+    ax.set(xlabel="angle on the circle (degrees)", ylabel="distance from the sheet (tiles)")
     ax.set(xlim=(0, 379), ylim=(0, 1.1), xticks=range(0, 361, 60))
     ax.set_title("No wave front: a path perpendicular to rays does not close")
     name_lines(ax)
@@ -144,11 +146,11 @@ def draw_pieces(ax: Axes, enlarged: Axes) -> None:
         each.plot(degrees, 1e6 * (path - np.nanmean(path)), color=PRISMS, linewidth=2)
     text = f"prisms: {np.count_nonzero(jumps)} jumps between pieces,\ntogether {1e6 * jumps.sum():.0f} µm"
     ax.text(200, 14, text.replace("-", "−"), color=PRISMS, va="bottom")
-    enlarged.text(5, 10, "prisms, enlarged", color=PRISMS)
+    enlarged.vlines(degrees[1:][jumps != 0], -9, 9, color=PRISMS, alpha=0.2, linewidth=1)
     circle = f"circle on the sheet: radius {1e3 * RADIUS:g} mm\n"
     ax.text(5, 125, f"{circle}pitch {1e3 * PITCH:g} mm, z₁ = {DISTANCE:g} m, α = {ALPHA}°", color=GREY)
     ax.set_ylabel("optical path from the point (µm)")
-    enlarged.set(xlabel="angle on the circle, degrees", ylabel="the same (µm)")
+    enlarged.set(xlabel="angle on the circle (degrees)", ylabel="prisms, enlarged (µm)")
     enlarged.set(xlim=(0, 360), ylim=(-12, 14), xticks=range(0, 361, 60))
     ax.set_title(f"Ideal rays demand {most:.0f} µm more in a turn; the jumps of prisms take it back")
 
@@ -172,7 +174,13 @@ def draw_curl(ax: Axes) -> None:
         keys.append(marks)
     formula = f"formula; z₁ = {Z1:g} tiles, z₂: tiles before the sheet"
     ax.legend(keys, (formula, "ray trace, ideal sheet", "2 × 1000 prisms, their mean"), fontsize=11, loc="upper left")
-    ax.set(xlabel="α, degrees", ylabel="curl of the rays' slopes, on the axis (1/tile)", xlim=(0, 180), ylim=(0, 1.75))
+    ax.set(
+        xlabel="α (degrees)",
+        xticks=range(0, 181, 30),
+        ylabel="curl of the rays' slopes, on the axis (1/tile)",
+        xlim=(0, 180),
+        ylim=(0, 1.75),
+    )
     ax.set_title("The field of rays has a curl, except at α = 0° and 180°")
 
 

@@ -33,12 +33,10 @@ def save_charts(folder: Path) -> None:
         draw_blur(left)
         draw_best_pitch(right)
         save_lines(folder / "diffraction.csv", left, right)
-        conditions = (
-            f"left: z₁ = 0.3 to 10 m, 550 nm, α = {ALPHA}°, the eye {Z2:g} m before the sheets; dots: the best pitch"
-        )
+        conditions = f"left: 550 nm, α = {ALPHA}°, the eye {Z2:g} m before the sheets; dots: the best pitch"
         figure.supxlabel(conditions, fontsize=11)
         for ax in (left, right):
-            name_lines(ax, short=lambda name: name.split(":")[0].split(" = ")[-1])
+            name_lines(ax, short=lambda name: name.split(":")[0])
 
 
 def draw_polarisation(ax: Axes) -> None:
@@ -51,7 +49,7 @@ def draw_polarisation(ax: Axes) -> None:
         share = transmission(J, np.radians(angle))
         ax.plot(angle, share, dashes, color=colour, linewidth=2, label=f"α = {alpha}°")
         ax.text(183, share[-1], f"α = {alpha}°", color=colour, va="center")
-    ax.set(xlabel="polarisation, degrees from the far sheet's ridges", ylabel="share of the light that passes")
+    ax.set(xlabel="polarisation (degrees from the far sheet's ridges)", ylabel="share of the light that passes")
     ax.set(xlim=(0, 180), ylim=(0.6, 1), title="The larger α, the less polarisation matters")
     ax.set_xticks(range(0, 181, 30))
     ax.grid(alpha=0.25)
@@ -70,7 +68,8 @@ def draw_blur(ax: Axes) -> None:
     # along the two straight parts of the curves, which fall and rise at about 45 degrees
     ax.text(0.075, 2.6, "diffraction", color=GREY, ha="center", va="center", rotation=-45)
     ax.text(1.5, 5.4, "size of prisms", color=GREY, ha="center", va="center", rotation=45)
-    ax.set(xlabel="pitch, mm", ylabel="RMS blur, minutes of arc", ylim=(0.3, 30), xlim=(0.03, 10))
+    ax.set(xlabel="pitch (mm)", ylabel="RMS blur (minutes of arc)", ylim=(0.3, 30), xlim=(0.03, 10))
+    ax.grid(alpha=0.25)
     plain_ticks(ax.xaxis, (1,))
     plain_ticks(ax.yaxis)
     ax.set_title("Each distance has a best pitch")
@@ -93,8 +92,9 @@ def draw_best_pitch(ax: Axes) -> None:
     for (name, wavelength), dashes in zip(WAVELENGTHS.items(), ("--", "-", ":"), strict=True):
         ax.loglog(z1, 1e3 * best_pitch(wavelength, z1), dashes, color=LIGHT[name], linewidth=2, label=name)
     ax.axhspan(0.1, 1, color="#e6e6e6")
-    ax.text(350, 0.105, "pitches in the paper: 0.1 to 1 mm", color=GREY, ha="right", va="bottom")
-    ax.set(xlabel="distance of the object z₁, m", ylabel="pitch of least blur, mm", xlim=(0.1, 400))
+    ax.text(90, 0.105, "pitches in the paper: 0.1 to 1 mm", color=GREY, ha="right", va="bottom")
+    ax.set(xlabel="distance of the object z₁ (m)", ylabel="pitch of least blur (mm)", xlim=(0.1, 100))
+    ax.grid(alpha=0.25)
     plain_ticks(ax.xaxis, (1,))
     plain_ticks(ax.yaxis)
     ax.set_title("The farther the object, the wider the best prisms")

@@ -40,8 +40,9 @@ class Picture:
         place = self.room.camera.position(points)
         return np.stack((place.real, place.imag), -1)
 
-    def render(self, room: Room) -> Floats:
-        return render(room, size=self.size, renderer="gl", quality="high")
+    def render(self, room: Room, larger: int = 1) -> Floats:
+        size = self.size[0] * larger, self.size[1] * larger
+        return render(room, size=size, renderer="gl", quality="high")
 
     def line(self, points: Floats, colour: str, width: float, dashes: str = "-", *, head: bool = False) -> None:
         """Draw a line through points (n, 3), with an arrowhead at its end if `head`."""
@@ -75,13 +76,13 @@ def box(picture: Picture) -> None:
     """Also outline the knight and its pedestal where they stand."""
     windows(picture)
     alone = picture.room.replace(window=(), object=picture.room.object[-2:])
-    places = picture.room.camera.pixels(picture.size)
-    knight = (picture.render(alone) != picture.render(alone.replace(object=()))).any(-1)
+    knight = (picture.render(alone, 4) != picture.render(alone.replace(object=()), 4)).any(-1)
+    places = picture.room.camera.pixels(knight.shape[::-1])
     x, y = places[0].real, places[:, 0].imag
     picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4)
     picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed")
     picture.write(np.array((-0.15, 0.72, 0)), "stands here", 18)
-    picture.write(np.array((1.3, 1.48, 0)), "is seen here", 18)
+    picture.write(np.array((1.0, 1.48, 0)), "image, in front of the box", 18)
     picture.line(np.array(((1.2, 1.33, 0), (1.0, 0.5, 0))), INK, 2)
     picture.write(np.array((-1.4, -1.42, -1)), "each side: α = 180°", 13)
 
@@ -96,13 +97,13 @@ def star(picture: Picture) -> None:
     parts += [(part.mean(0), part) for part in np.stack((ray[:-1], ray[1:]), 1)]
     for _, points in sorted(parts, key=lambda part: -part[0][2]):  # the nearest last
         if len(points) > 2:
-            picture.ax.fill(*picture.seen(points).T, facecolor="#c8dcf040", edgecolor=PRISMS, linewidth=1, zorder=2)
+            picture.ax.fill(*picture.seen(points).T, facecolor="#c8dcf078", edgecolor=PRISMS, linewidth=1, zorder=2)
             continue
         picture.line(points, IDEAL, 4, head=any(np.array_equal(points[1], end) for end in (ray[1], ray[-1])))
     for n, sheet in enumerate(sheets):
-        picture.write(2.55 * sheet.pose.place + (0, 0.7, 0), str(n + 1), 20)
+        picture.write(2.25 * sheet.pose.place + (0, 0.7, 0), str(n + 1), 20)
     for start, name in ((ray[1], "in, extended"), (ray[-1], "out, parallel")):
-        end = start + 1.6 * (ray[1] - ray[0])
+        end = start + 0.9 * (ray[1] - ray[0])
         picture.line(np.array((start, end)), INK, 2, "--")
         picture.write(end - (0.78, 0, 0), name, 18)
     picture.write(ray[:2].mean(0) - (0, 0, 0.3), "in", 18)
@@ -123,7 +124,9 @@ def turns(picture: Picture) -> None:
         arc = np.array([side @ each + place for each in turned])
         picture.line(np.array((arc[0], place)), "#777777", 1.5, "--")
         picture.line(np.array((place, arc[-1])), INK, 1.5)
-        picture.ax.fill(*picture.seen(SQUARE * size @ turned[-1] + place).T, facecolor=PALE, edgecolor=INK, zorder=2)
+        picture.ax.fill(
+            *picture.seen(SQUARE * size @ turned[-1] + place).T, facecolor=(PALE, 0.7), edgecolor=INK, zorder=2
+        )
         text = TextPath((0, 0), board.text, size=1.2 * size[1], prop=FontProperties(fname=fonts.BOLD))
         flat = text.vertices - (text.vertices.max(0) + text.vertices.min(0)) / 2
         outline = picture.seen(np.pad(flat, ((0, 0), (0, 1))) @ turned[-1] + place)

@@ -48,9 +48,8 @@ def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None,
             shown = [row for row in rows if row[2:4] == [width, height]]
             axes = figure.subplots(1, 2)
             axes[0].set(ylabel="RMS error (1: white)")
-            letters = ", ".join(f"{names[0][0]}: {' and '.join(names)}" for names in _qualities(True).values())
-            marks = "marks: samplings; one is left out if a cheaper one has a smaller error"
-            figure.supxlabel(f"{marks}\nletters: those of --quality ({letters}), all that were measured", fontsize=11)
+            letters = "; ".join(f"{names[0][0]}: {', '.join(names)}" for names in _qualities(True).values())
+            figure.supxlabel(f"lines: samplings that no cheaper one beats; {letters} (--quality)", fontsize=11)
             named = (titles or {}).get(f"{width}x{height}", ("Prisms", "Ideal sheet"))
             for ax, prisms, title in zip(axes, (True, False), named, strict=True):
                 ax.set(xscale="log", yscale="log", title=title, xlabel=f"CPU seconds for a frame of {width}x{height}")
@@ -126,7 +125,8 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed:
         for ax, (field, unit) in zip(figure.subplots(1, 2, sharey=True), EFFECTS.items(), strict=True):
             values = {name: abs(size * float(getattr(sensitivities[name], field))) for name, size in sizes.items()}
             names = [f"{WHAT[name]} by {_with_unit(name, sizes[name])}" for name in ordered]
-            bars = ax.barh(names, np.nan_to_num([values[name] for name in ordered]), color=PRISMS)
+            drawn_at = np.clip(np.nan_to_num([values[name] for name in ordered]), 1e-4, None)
+            ax.plot(drawn_at, names, "o", color=PRISMS, markersize=9)
             most = max(values, key=lambda name: np.nan_to_num(values[name]))
             texts = [
                 "unknown"
@@ -136,9 +136,11 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed:
                 else np.format_float_positional(value, 2, fractional=False, trim="-")
                 for value in (values[name] for name in ordered)
             ]
-            ax.bar_label(bars, texts, padding=4)
-            ax.margins(x=0.15)
-            ax.set_xlim(left=0)
+            for name, x, text in zip(names, drawn_at, texts, strict=True):
+                ax.annotate(text, (x, name), (8, 0), textcoords="offset points", va="center")
+            ax.set(xscale="log", xlim=(min(drawn_at) / 2, 10 * max(drawn_at)))
+            plain_ticks(ax.xaxis, (1,))
+            ax.grid(alpha=0.25)
             ax.set(xlabel=f"{field}, {unit}", title=f"{field.capitalize()} most: {WHAT[most]}")
             rows = values.items()
             table += [(f"{name}, {_size(name, sizes[name])}", f"{field}, {unit}", f"{x:.6g}") for name, x in rows]

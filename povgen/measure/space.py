@@ -211,7 +211,7 @@ def _sides(azimuth: float, elevation: float) -> Floats:
 def _number(axes: Axes, sides: Floats, ways: Floats) -> None:
     """Write numbers at the axes of a drawing along x, y or z. An axis with the way -1 runs to the left or down."""
     for axis, side, way in zip((axes.xaxis, axes.yaxis), sides, ways, strict=True):
-        axis.set_label_text(f"{'xyz'[side.argmax()]}, tiles")
+        axis.set_label_text(f"{'xyz'[side.argmax()]} (tiles)")
         axis.set_inverted(way < 0)
     axes.spines[:].set_visible(True)
 

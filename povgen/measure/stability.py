@@ -37,8 +37,7 @@ MAPS = {made.name: made for made in (  # without rows
         band=("right", limits.MAX_CONDITION, "povgen warns, a factor of\n3 before the lower limit"),
     ),
     StabilityMap(
-        "grid", "(f) cells of the ideal camera", "error that povgen states (px): 8 scenes, each with 4 sizes of cells",
-        "worst error (px)",
+        "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
         finding="(f) Ideal camera, eye off the axis: the stated error holds within a factor of 1.2",
         band=("right", limits.MAX_CAMERA_ERROR, "such large cells are not used"),
@@ -79,7 +78,7 @@ MAPS = {made.name: made for made in (  # without rows
         "field", "(e) field angle", "field angle: of the line of sight to the axis (degrees)",
         "pixels without light turned by α (%)", 50,
         finding="(e) Beyond 12° off the axis, over half of the pixels lack light turned by α",
-        band=("above", 50, "over half lack it"), ends=(20, 100),
+        band=("above", 50, ""), ends=(0, 100),
         groups={"α": "α = 0°, 66°, 120° and 180°:\nmean and range"},
     ),
     StabilityMap(  # 1 % more than where povgen warns, because the warning uses only a sample of rays

@@ -7,7 +7,7 @@ limit is compared with the limit that povgen uses (povgen/limits.py).
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import cycle, pairwise
 from pathlib import Path
 from textwrap import fill
@@ -103,10 +103,7 @@ def draw(measured: StabilityMap, folder: Path) -> None:
 
 
 def draw_map(ax: Axes, measured: StabilityMap) -> None:
-    """Draw each series as a line, or y/x as points if x is an estimate of y. Mark where the method fails."""
-    if measured.is_estimate:
-        rows = [(name, x, y / x) for name, x, y in measured.rows]
-        measured = replace(measured, y="error / what povgen states", log_axes="x", rows=rows)
+    """Draw each series as a line, or as points if x is an estimate of y. Mark where the method fails."""
     ax.set(xlabel=measured.x, ylabel=measured.y, title=measured.finding)
     ax.grid(alpha=0.25)
     for name in measured.log_axes:
@@ -120,7 +117,7 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     ends = ax.get_xlim(), ax.get_ylim()
     for name, (least, most) in zip("xy", ends, strict=True):
         if name in measured.log_axes:
-            subs = (1, 2, 5) if most < 30 * least else (1, 3) if most < 300 * least else (1,)
+            subs = (1, 2, 5) if most < 30 * least else (1, 3) if most < 1000 * least else (1,)
             plain_ticks(getattr(ax, f"{name}axis"), subs)
     bottom = ends[1][0]
     for x in [x for _, x, y in measured.rows if y == 0] if "y" in measured.log_axes and not measured.ends else ():
@@ -157,17 +154,18 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
 
 
 def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
-    """Draw points, and circles round those above 1. Return what else to name."""
+    """Draw points, and circles round those whose y is greater than its estimate x. Return what else to name."""
     groups = _grouped(measured, dict.fromkeys(name for name, *_ in measured.rows)) if measured.groups else {"": None}
     for n, (label, names) in enumerate(groups.items()):
         points = [row for name, *row in measured.rows if names is None or name in names]
         ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
     if measured.groups:
-        ax.legend(frameon=True, fontsize=11)  # a sign beside a name would look like a point
+        ax.legend(fontsize=11, loc="lower right")  # a sign beside a name would look like a point
     for each in ax.lines:
         each.set_label("_")
-    ax.axhline(1, color=GREY, linestyle=":", label="as great as stated")
-    above = [(x, y) for _, x, y in measured.rows if y > 1]
+    stated = [min(x for _, x, _ in measured.rows), max(x for _, x, _ in measured.rows)]
+    ax.plot(stated, stated, ":", color=GREY, label="as great as stated")
+    above = [(x, y) for _, x, y in measured.rows if y > x]
     ax.plot(*np.reshape(above, (-1, 2)).T, "o", color=RED, markersize=13, fillstyle="none")
     return [("circled: greater than stated", above, RED)] if above else []
 
@@ -202,8 +200,10 @@ def _draw_lines(ax: Axes, measured: StabilityMap) -> list[Named]:
             ax.plot(limit, measured.tolerance, "o", color=colour, markersize=13, fillstyle="none")
             others.append((f"{float(f'{limit:.2g}'):g}", [(limit, measured.tolerance)], colour))
     if measured.dot:
-        dot = rows[names[0] + RENDERED][-1]
-        ax.annotate(measured.dot, dot, (0, 60), textcoords="offset points", ha="right", arrowprops={"arrowstyle": "-"})
+        dot = rows[traced[0] + RENDERED][-1]
+        ax.annotate(
+            measured.dot, dot, (0, -45), textcoords="offset points", ha="center", arrowprops={"arrowstyle": "-"}
+        )
     if not (measured.band and measured.band[0] == "above"):
         ax.axhline(measured.tolerance, color=GREY, linestyle=":", label=f"allowed: {measured.tolerance:g}")
     return others

@@ -73,7 +73,7 @@ def dove_prism_sheet(rendering: Rendering) -> Captioned:
     height, half_base, half_top = prism.height, prism.length / 2, prism.top_length / 2
     ray = agreement.ray_through_sheet(count, 5.2)
 
-    figure = Figure(figsize=(WIDTH, 3.1))
+    figure = Figure(figsize=(WIDTH, 2.8))
     ax = space(figure.add_axes((0.01, 0.0, 0.6, 1)))
     for n in range(count):
         y = n - count / 2
@@ -115,7 +115,7 @@ def _section(ax: Axes, prism: Prism, ray: agreement.RayThroughSheet) -> None:
         ax.plot(*place, "o", color="black", markersize=4, zorder=3)
         write(ax, place + aside, number, fontweight="bold", fontsize=9)
     middle = (before[0] + after[0]) / 2
-    text = "1, 3: refraction at the facets\n2: total reflection at the base\n$h$: height of a prism"
+    text = "1, 3: refraction at the facets\n2: total reflection at the base\nh: height of a prism"
     write(ax, (middle, low - 0.5), text, va="top", ha="center", ma="left", fontsize=8, linespacing=1.5)
     side = after[0] + 0.2
     ax.annotate(
@@ -373,6 +373,7 @@ def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
             end = xy(equations.P(r, radians(signed)))
             ax.annotate(text, end, xy(at), ha="center", va="center", color=CONSTANT_ALPHA, fontsize=11, arrowprops=look)
     ax.plot((0, 1), (0, 0), "--", color=CONSTANT_ALPHA, linewidth=2.2, zorder=4)
+    write(ax, (0.3, 0.1), "0°", color=CONSTANT_ALPHA, fontsize=11)
     example = complex(equations.P(of_r, of_alpha))
     for point, text, offset in ((0, "$L$", -0.13 - 0.13j), (1, "$E$", 0.13 - 0.13j), (example, "$P$", 0.13 - 0.13j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)

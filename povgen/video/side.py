@@ -33,7 +33,7 @@ RAYS = 9  # from the eye, through the middle row or column of the picture of a r
 # Points beside the eye to which light runs: x + iy, in units of the first window's width. The two directions differ, so
 # that rays without a common point seem to have none from the side and from above.
 ASIDE = 0.45 * np.exp(1j * np.radians((45, 165)))
-LIGHT, BESIDE, RAY = (255, 214, 150), (240, 160, 80), (110, 116, 128)
+LIGHT, BESIDE, RAY = (255, 226, 170), (224, 128, 52), (110, 116, 128)
 SHEET, OBJECT, IMAGE = (86, 180, 233), (230, 159, 0), (240, 228, 66)  # Okabe and Ito's colours
 OTHER = (130, 135, 145)  # objects without a point, such as pedestals
 EYE = ((1, 1, (255, 255, 255)), (0.55, 0.55, (60, 110, 170)), (0.45, 0.3, (10, 10, 14)))  # discs: place, radius, colour

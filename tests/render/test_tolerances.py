@@ -216,7 +216,7 @@ def test_the_chart_of_builds_counts_those_that_are_seen(figures, tmp_path):
     assert not figures[1].axes[0].lines
 
 
-def test_the_chart_of_errors_has_a_bar_for_each(figures, tmp_path):
+def test_the_chart_of_errors_has_a_point_for_each(figures, tmp_path):
     found = {
         "turn": tolerance.Change(2.0, -3.0, 0.0, 0.0),
         "separation": tolerance.Change(-900.0, 1.0, 0.0, 0.0),
@@ -224,8 +224,8 @@ def test_the_chart_of_errors_has_a_bar_for_each(figures, tmp_path):
     }
     charts.save_sensitivities(found, tmp_path / "errors.png")
     left, right = figures[0].axes
-    assert [bar.get_width() for bar in left.patches] == [0, 2, 9]
-    assert [bar.get_width() for bar in right.patches] == [0, 3, 0.01]
+    assert [*left.lines[0].get_xdata()] == [1e-4, 2, 9]
+    assert [*right.lines[0].get_xdata()] == [1e-4, 3, 0.01]
     assert {text.get_text() for text in left.texts} == {"unknown", "2", "9"}
     rows = (tmp_path / "errors.csv").read_text("utf-8").splitlines()
     assert rows[1:3] == [
