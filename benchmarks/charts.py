@@ -52,7 +52,7 @@ HEADS = {  # of the tables
     "beyond": ("kind", "windows or sheet", "CPU s", "position error (px)"),
     "workers": ("workers", "wall s", "fraction of cores busy", "cores"),
 }
-TITLES = {  # of the charts of frames: true also if the machine was as fast for POV-Ray as for gl
+TITLES = {  # of the charts of frames
     size: (f"Prisms: gl costs less than {part}\nof what POV-Ray costs", f"Ideal sheet: gl costs less{errors}")
     for size, part, errors in (
         ("160x120", "half", " for every error"),
@@ -255,8 +255,7 @@ def measure(folder: Path) -> None:
 
 def draw(folder: Path) -> None:
     """Draw the charts of the tables in a folder."""
-    _, *notes = (folder / "machine.txt").read_text("utf-8").splitlines()
-    charts.draw_frames(folder, TITLES, *notes)
+    charts.draw_frames(folder, TITLES)
     for name, drawing in DRAWINGS.items():
         drawing(table_rows(folder / f"{name}.csv"), folder)
 

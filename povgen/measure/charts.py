@@ -36,10 +36,10 @@ def save_frames(points: Sequence[Point], folder: Path) -> None:
     draw_frames(folder)
 
 
-def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None, gl: str = "") -> None:
+def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None) -> None:
     """Draw the charts of the table frames.csv: prisms at the left, the ideal sheet at the right.
 
-    `titles` are both titles by the size, such as 320x240. `gl` is the name of that renderer, if it is another.
+    `titles` are both titles by the size, such as 320x240.
     """
     rows = table_rows(folder / "frames.csv")
     for width, height in dict.fromkeys((row[2], row[3]) for row in rows):
@@ -57,7 +57,7 @@ def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None,
                     plain_ticks(axis)
                 ax.grid(alpha=0.25)
                 ax.margins(0.2, 0.15)  # room for names
-                _scatter(ax, [row for row in shown if row[0].endswith("ideal") != prisms], prisms, gl)
+                _scatter(ax, [row for row in shown if row[0].endswith("ideal") != prisms], prisms)
 
 
 LOOKS = {  # of the renderers that are drawn: name, line and mark, and colour
@@ -76,7 +76,7 @@ def _qualities(prisms: bool) -> dict[str, list[str]]:
     return names
 
 
-def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool, gl: str) -> None:
+def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
     """Draw RMS against CPU seconds: a line joins the samplings for which no cheaper one has a smaller error."""
     names = _qualities(prisms)
     for renderer, (label, look, colour) in LOOKS.items():
@@ -89,7 +89,6 @@ def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool, gl: str) -> None:
                 letter = ax.text(x, y, names[sampling][0][0], color="white", weight="bold", zorder=4)
                 letter.set(ha="center", va="center_baseline")
         if best:
-            label = fill(gl, 24) if gl and renderer == "gl " else label
             ax.plot(*np.transpose([each[:2] for each in best]), look, color=colour, markersize=5, label=label)
     name_lines(ax)
 
