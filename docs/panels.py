@@ -256,9 +256,9 @@ OTHERS: dict[str, list[Panel]] = {
         ),
     ],
     "pupil": [
-        Panel(PUPIL, "α = 0°: knight sharp", rays=2),
-        Panel(PUPIL.replace(alpha=90), "α = 90°: no focus makes it sharp", rays=2),
-        Panel(PUPIL.replace(alpha=180), "α = 180°: knight sharp", rays=2),
+        Panel(PUPIL, "α = 0°: knight sharp"),
+        Panel(PUPIL.replace(alpha=90), "α = 90°: no focus makes it sharp"),
+        Panel(PUPIL.replace(alpha=180), "α = 180°: knight sharp"),
     ],
 }
 
