@@ -74,9 +74,9 @@ def test_pdf_for_a_journal(tmp_path):
     png, svg, pdf, caption = save_figure(1, tmp_path, Rendering(), Print(dpi=600, width=84), pdf=True)
     with Image.open(png) as image:
         assert image.width == 84 / 25.4 * 600 // 1 and image.info["dpi"] == pytest.approx((600, 600), abs=0.01)
-    assert 'width="84mm" height="37.2mm" viewBox="0 0 504 223.2"' in svg.read_text()
+    assert 'width="84mm" height="33.6mm" viewBox="0 0 504 201.6"' in svg.read_text()
     box, scaled = page_of(pdf.read_bytes())
-    assert usual == [504, 223.2] and box == pytest.approx([84 / 25.4 * 72, 37.2 / 25.4 * 72])
+    assert usual == [504, 201.6] and box == pytest.approx([84 / 25.4 * 72, 33.6 / 25.4 * 72])
     assert scaled.replace(b"0.4724409449 0 0 0.4724409449 0 0 cm", b"1 0 0 1 0 0 cm", 1) == drawing
     assert b"/FontFile2" in pdf.read_bytes() and b"/Type3" not in pdf.read_bytes()
     written = b"".join(re.findall(rb"\((.*?)(?<!\\)\)", drawing)).replace(b"\0", b"").replace(b" ", b"")

@@ -123,7 +123,7 @@ TWO = Room([Window(x=-1.7), Window(name="b", x=1.7, yaw=30)], eye=Eye(y=1, z=-8)
 def test_a_view_along_an_axis_has_numbers_where_they_belong(view, names, upright, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     axes, lines = drawing(monkeypatch, TWO, azimuth=view[0], elevation=view[1], width=84)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == tuple(f"{name}, tiles" for name in names)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == tuple(f"{name} (tiles)" for name in names)
     ends = axes.get_xlim(), axes.get_ylim()
     assert tuple(np.sign(np.diff(ends)[:, 0])) == upright
     for drawn, opening in zip(lines[plotting.PRISMS], TWO.openings, strict=True):
