@@ -178,7 +178,7 @@ def draw_prisms(rows: list[list[str]], folder: Path) -> None:
     with drawn(11, 5, folder / "prisms.png", folder / "prisms.svg") as figure:
         left, right = figure.subplots(1, 2)
         left.set(title="The error is proportional to 1/N", ylabel="distance from the ideal image (px of 1280x960)")
-        right.set(title="The cost hardly depends on N", ylabel="CPU seconds for a frame of 640x480")
+        right.set(title="From 25 to 3000 prisms, the cost rises by half", ylabel="CPU seconds for a frame of 640x480")
         left.set(yscale="log", ylim=(0.03, 20))
         plain_ticks(left.yaxis, (1,))
         for ax, column in ((left, 3), (right, 2)):

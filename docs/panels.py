@@ -53,7 +53,7 @@ class Panel(NamedTuple):
     side_view: bool = False  # below all panels
     section: str = ""  # the prisms' tops, in a drawing of a prism below the panel
     brighter: float = 1  # factor of the light in the window
-    rays: int = 1  # along each side of a pixel, as many times more than usual
+    rays: int = 1  # how many times as many rays along each side of a pixel as usual
     size: tuple[int, int] = SIZE
 
 

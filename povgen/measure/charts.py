@@ -161,10 +161,10 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
             for share, limit in limits.items():
                 ax.axvline(limit, linestyle="--", color="black")
                 place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "top"}
-                ax.annotate(f"{share} %: {limit:.2g}", (limit, 1), (5, 0), **place)
+                ax.annotate(f"{share} %: {limit:.3g}", (limit, 1), (5, 0), **place)
             missing = f"; not seen: {len(found) - len(seen)}" if len(seen) < len(found) else ""
             ax.set(xlabel=f"{field}, {unit}", ylabel=f"builds, of {len(found)}{missing}")
-            most = f"95 % of the builds: {field} by at most {limits[95]:.2g} {unit}" if 95 in limits else ""
+            most = f"95 % of the builds: {field} by at most {limits[95]:.3g} {unit}" if 95 in limits else ""
             ax.set_title(most or field.capitalize())
             ax.set_xlim(left=0)
             ax.margins(y=0.15)  # room for the texts at the lines

@@ -40,7 +40,7 @@ MAPS = {made.name: made for made in (  # without rows
         "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
         finding="(f) Ideal camera, eye off the axis: the stated error holds within a factor of 1.2",
-        band=("right", limits.MAX_CAMERA_ERROR, "such large cells are not used"),
+        band=("right", limits.MAX_CAMERA_ERROR, "such large cells are not used"), groups={"": "all scenes"},
     ),
     StabilityMap(
         "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",

@@ -155,11 +155,11 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
 
 def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
     """Draw points, and circles round those whose y is greater than its estimate x. Return what else to name."""
-    groups = _grouped(measured, dict.fromkeys(name for name, *_ in measured.rows)) if measured.groups else {"": None}
+    groups = _grouped(measured, dict.fromkeys(name for name, *_ in measured.rows))
     for n, (label, names) in enumerate(groups.items()):
-        points = [row for name, *row in measured.rows if names is None or name in names]
+        points = [row for name, *row in measured.rows if name in names]
         ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
-    if measured.groups:
+    if len(groups) > 1:
         ax.legend(fontsize=11, loc="lower right")  # a sign beside a name would look like a point
     for each in ax.lines:
         each.set_label("_")

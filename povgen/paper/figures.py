@@ -115,7 +115,7 @@ def _section(ax: Axes, prism: Prism, ray: agreement.RayThroughSheet) -> None:
         ax.plot(*place, "o", color="black", markersize=4, zorder=3)
         write(ax, place + aside, number, fontweight="bold", fontsize=9)
     middle = (before[0] + after[0]) / 2
-    text = "1, 3: refraction at the facets\n2: total reflection at the base\nh: height of a prism"
+    text = "1, 3: refraction at the facets\n2: total reflection at the base\n$h$: height of a prism"
     write(ax, (middle, low - 0.5), text, va="top", ha="center", ma="left", fontsize=8, linespacing=1.5)
     side = after[0] + 0.2
     ax.annotate(
