@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from povgen import Chess, render
-from povgen.video.overlay import Item, strip
+from povgen.video.caption_strips import Item, strip
 
 SIZE = 800, 450  # pixels
 FIRST, STEP, RATE = 90, 3, 15  # degrees, degrees a frame, frames a second

@@ -1,12 +1,8 @@
-"""Draw predicted positions on a picture, and add strips with texts: the legend, and the caption."""
+"""Draw predicted positions on a picture, and say what the legend above it says."""
 
-import re
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
-from itertools import combinations, islice, pairwise
-from math import ceil
-from operator import itemgetter
-from typing import NamedTuple
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +14,11 @@ from povgen.rendering.views import views
 from povgen.scene.scene import Scene, object_images
 from povgen.scene.scenes import AxialScene
 from povgen.settings import Rendering
+from povgen.video.caption_strips import HALO, Colour, Complexes, Item, discs, strip
 from povgen.video.captions import Caption, captions
 from povgen.video.outline import outlines
-from povgen.video.text import DARK, LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
+from povgen.video.text import DARK, LEGIBLE, TEXT, text_width, write
 
-HALO = (255, 255, 255, 210)  # red, green, blue, opacity: the pale edge of lines and marks
 # Okabe and Ito's yellow, blue and vermilion, which colour-blind readers can distinguish
 P_COLOUR, ALPHA_COLOUR, R_COLOUR = (240, 228, 66, 255), (0, 114, 178, 255), (213, 94, 0, 255)
 GHOST_COLOUR = (0, 158, 115, 255)  # Okabe and Ito's bluish green
@@ -39,16 +35,8 @@ OUTLINES = {  # for each name in `Scene.outlines`: its text in the legend, its c
     "predicted_image": ("predicted image", IMAGE_COLOUR, EDGE),
     "direct_image": ("piece as seen without sheets", DIRECT_COLOUR, HALO),
 }
-MARGIN = 0.015  # at each side of a strip of text, as a fraction of the picture's width
-LINES = 4  # of a strip of text, at most
-SAMPLE = 1.7  # width of a dot or line in a strip with the space after it, in units of the text's height
-GAP = 1.4  # between two texts of a strip, in units of the text's height
-FINER = 3  # discs are drawn this many times as large, and reduced
-ROWS = 270  # rows of a picture whose discs are drawn at a time, so that large pictures need little additional memory
 
-Colour = tuple[int, int, int, int]
 Reals = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Curve = Callable[[Reals], tuple[Complexes, NDArray[np.bool_]]]  # parameters to points, and whether these are visible
 
 
@@ -72,7 +60,7 @@ def annotated(
     height, width, _ = picture.shape
     texts = caption or captions([scene], rendering)[0]
     said = legend(scene, rendering) if said is None else said
-    above = strip([Item(text, text, colour) for text, colour in said], width, height, texts.size)
+    above = strip(legend_items(said), width, height, texts.size)
     below = strip([Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)], width, height, texts.size)
     made = np.empty((len(above) + height + len(below), width, 3), np.uint8)
     made[: len(above)], made[len(above) + height :] = above, below
@@ -94,14 +82,6 @@ def mark(shown: NDArray[np.uint8], scene: Scene, rendering: Rendering) -> None:
         for (_, colour), places in marks(scene).items():
             for place in places:
                 _dot(shown, _pixels(np.array([place]), scene, shown), 1.1 * max(len(shown) / 180, 2), colour)
-
-
-class Item(NamedTuple):
-    """A text, the widest text that can stand there (its width is reserved), and the colour of its dot or line."""
-
-    text: str
-    widest: str
-    colour: Colour | None = None
 
 
 def marks(scene: Scene) -> dict[tuple[str, Colour], list[complex]]:
@@ -144,6 +124,11 @@ def legend(scene: Scene, rendering: Rendering) -> list[tuple[str, Colour]]:
     return texts
 
 
+def legend_items(said: Iterable[tuple[str, Colour]]) -> list[Item]:
+    """Return the legend's entries for the strip: each has a dot or a line of its colour."""
+    return [Item(text, text, colour, colour in (P_COLOUR, GHOST_COLOUR, POINT_COLOUR)) for text, colour in said]
+
+
 def common_legend(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[str, Colour]]:
     """Return the common legend of a movie's frames, or of the two pictures of a stereo pair: the entries of all.
 
@@ -151,109 +136,6 @@ def common_legend(scenes: Iterable[Scene], rendering: Rendering) -> list[tuple[s
     """
     shown = (view for scene in scenes for view in views(scene, rendering))
     return list(dict.fromkeys(item for view in shown for item in legend(view, rendering)))
-
-
-def _broken(item: Item, most: float, size: float) -> list[Item]:
-    """Return an item's lines. They are at most as wide as `most`, in units of the text's height, if no word is wider.
-
-    The lines of all frames of a movie break after the same words: `Caption.widest` has the widest of each word. They
-    are about equally wide.
-    """
-    width = most - SAMPLE * bool(item.colour)
-    if text_width(item.widest, size) <= width:
-        return [item]
-    every = [_wrapped(item.widest, share * width, size) for share in np.linspace(1, 0.4, 25)]
-    lines = [each for each in every if len(each) == len(every[0])][-1]
-    if len(_words(item.text)) == len(_words(item.widest)):
-        words = iter(_words(item.text))
-        texts = [" ".join(islice(words, len(line))) for line in lines]
-        texts[-1] = " ".join(filter(None, [texts[-1], *words]))
-    else:  # another note
-        texts = [" ".join(line) for line in _wrapped(item.text, width, size)]
-        texts[len(lines) - 1 :] = [" ".join(texts[len(lines) - 1 :])]
-        texts += [""] * (len(lines) - len(texts))
-    colours = [item.colour, *[None] * (len(lines) - 1)]
-    return [Item(text, " ".join(line), colour) for text, line, colour in zip(texts, lines, colours, strict=True)]
-
-
-def _words(text: str) -> list[str]:
-    """Return the words of a text. No line breaks at an equals sign."""
-    return re.split("(?<!=) (?!=)", text)
-
-
-def _wrapped(text: str, width: float, size: float) -> list[list[str]]:
-    """Return the words of a text in lines that are at most so wide, if no word is wider."""
-    lines: list[list[str]] = [[]]
-    for word in _words(text):
-        if lines[-1] and text_width(" ".join([*lines[-1], word]), size) > width:
-            lines.append([])
-        lines[-1].append(word)
-    return lines
-
-
-@lru_cache(16)  # all frames of a movie have the same
-def _rows(widths: tuple[float, ...], most: float, most_lines: int) -> tuple[list[range], float]:
-    """Divide items into lines. Return the numbers, from 0, of each line's items, and the width of the longest line.
-
-    `widths` are those of the items, each with the gap after it. There are as few lines as possible with lines no wider
-    than `most`, but at most `most_lines`. The items are divided so that the longest line is as short as possible.
-    """
-    for lines in range(1, min(most_lines, len(widths)) + 1):
-        starts = ([*places, len(widths)] for places in combinations(range(1, len(widths)), lines - 1))
-        every = ([range(a, b) for a, b in pairwise([0, *places])] for places in starts)
-        widest, rows = min(
-            ((max(sum(widths[n] for n in row) for row in way) - GAP, way) for way in every), key=itemgetter(0)
-        )
-        if widest <= most:
-            break
-    return rows, widest
-
-
-def strip(items: list[Item], width: int, height: int, larger: float = 1, most: int = LINES) -> NDArray[np.uint8]:
-    """Return a strip with items for a picture of this size, in 1 to `most` lines; without items, a strip without rows.
-
-    The text's height is a fraction of the picture's height, times `larger`. In small pictures this fraction is greater,
-    so that the text stays legible. An item that is wider than the picture is broken between words. If the items do not
-    fit, the text is made smaller.
-    """
-    if not items:
-        return np.empty((0, width, 3), np.uint8)
-    size = larger * max(TEXT * height, min(LEGIBLE, MAX_TEXT * height))
-    free = (1 - 2 * MARGIN) * width
-    whole = items
-    while True:
-        several = [_broken(item, free / size, size) for item in whole]
-        items = [part for parts in several for part in parts]
-        # the widths of items, each with the gap after it, in units of the text's height
-        widths = [text_width(item.widest, size) + SAMPLE * bool(item.colour) + GAP for item in items]
-        # a part of a broken text has a line of its own
-        whole_lines = [len(parts) > 1 for parts in several for _ in parts]
-        needed = (max(wide, alone * free / size) for wide, alone in zip(widths, whole_lines, strict=True))
-        rows, widest = _rows(tuple(needed), free / size, most)
-        if widest <= free / size:
-            break
-        size *= 0.95  # smaller text breaks at other words
-    step = 2 * ceil(0.8 * size)  # even, because a movie stores pixels in blocks of 2x2
-    image = Image.new("RGB", (width, len(rows) * step), STRIP)
-    draw = ImageDraw.Draw(image)
-    samples = []
-    for line, row in enumerate(rows):
-        place, middle = (width - size * (np.take(widths, row).sum() - GAP)) / 2, (line + 0.5) * step
-        for n in row:
-            colour = items[n].colour
-            if colour:
-                samples.append((place + size * np.linspace(0.2, SAMPLE - 0.6, 60) + 1j * middle, colour))
-            left = place + size * SAMPLE * bool(colour)
-            if whole_lines[n]:  # it can be another text than the widest
-                left += size * (text_width(items[n].widest, size) - text_width(items[n].text, size)) / 2
-            write(draw, left, middle, items[n].text, size)
-            place += size * widths[n]
-    strip = np.array(image)
-    for points, colour in samples:
-        dot = colour in (P_COLOUR, GHOST_COLOUR, POINT_COLOUR)
-        for radius, colour_ in ((0.24, HALO), (0.15, colour)):
-            _discs(strip, points.mean(keepdims=True) if dot else points, radius * size * (1.3 if dot else 0.8), colour_)
-    return strip
 
 
 def _overlay(scene: AxialScene, picture: NDArray[np.uint8], lines: Sequence[Complexes]) -> None:
@@ -273,19 +155,19 @@ def _overlay(scene: AxialScene, picture: NDArray[np.uint8], lines: Sequence[Comp
         return _pixels(points, scene, picture)
 
     curves = [(pixels(np.concatenate([*parts, []])), colour) for parts, colour in loci(scene, step / tile)]
-    _discs(picture, np.concatenate([[], *(points for points, _ in curves)]), 1.2 * thick, HALO)
+    discs(picture, np.concatenate([[], *(points for points, _ in curves)]), 1.2 * thick, HALO)
     for points, colour in curves:
-        _discs(picture, points, thick / 2, colour)
+        discs(picture, points, thick / 2, colour)
     for place in ghosts(scene):
-        _discs(picture, pixels(np.array([place])), 1.5 * thick, HALO)
-        _discs(picture, pixels(np.array([place])), 0.9 * thick, GHOST_COLOUR)
+        discs(picture, pixels(np.array([place])), 1.5 * thick, HALO)
+        discs(picture, pixels(np.array([place])), 0.9 * thick, GHOST_COLOUR)
     named = _named(scene)
     for place in positions(scene):
         _dot(picture, pixels(np.array([place])), (1.1 if several else 1.7) * max(thick, 2), P_COLOUR)
     for name, place in named.items():
         if name != "P":
             for radius, colour in ((1.3, EDGE), (0.9, POINT_COLOUR)):
-                _discs(picture, pixels(np.array([place])), radius * max(thick, 2), colour)
+                discs(picture, pixels(np.array([place])), radius * max(thick, 2), colour)
     places = {name: complex(pixels(np.array([place]))[0]) for name, place in named.items()}
     drawn = np.concatenate([*lines, *(points for points, _ in curves), pixels(np.array([*positions(scene)], complex))])
     for name, place in places.items():
@@ -299,7 +181,7 @@ def _sheet_line(scene: AxialScene, way: complex, picture: NDArray[np.uint8]) -> 
     half = scene.aperture / 2 * abs(way) / max(abs(way.real), abs(way.imag))
     points = _pixels(np.asarray(way / abs(way) * np.arange(-half, half, step), complex), scene, picture)
     for radius, colour in ((0.9, HALO), (0.5, LINE_COLOUR)):
-        _discs(picture, points, radius * thick, colour)
+        discs(picture, points, radius * thick, colour)
     return points
 
 
@@ -315,14 +197,14 @@ def _outline(scene: AxialScene, outline: str, picture: NDArray[np.uint8]) -> Com
     points = _pixels(outlines(scene, step), scene, picture)
     _, line, edge = OUTLINES[outline]
     for radius, colour in ((1.25, edge), (0.7, line)):
-        _discs(picture, points, radius * thick, colour)
+        discs(picture, points, radius * thick, colour)
     return points
 
 
 def _dot(picture: NDArray[np.uint8], place: Complexes, radius: float, colour: Colour) -> None:
     """Draw a dot with a dark and a pale edge. Its place (1,) and radius are in pixels."""
     for part, each in ((1.9 / 1.1, HALO), (1.5 / 1.1, EDGE), (1, colour)):
-        _discs(picture, place, part * radius, each)
+        discs(picture, place, part * radius, each)
 
 
 def _pixels(points: Complexes, scene: Scene, picture: NDArray[np.uint8]) -> Complexes:
@@ -365,31 +247,6 @@ def _letter(
         write(ImageDraw.Draw(image), at.real, at.imag, name, size, edge=max(1, round(size / 12)))
         part[:] = np.asarray(image)
     return np.append(drawn, middle + 0.4 * size * turns)
-
-
-def _discs(picture: NDArray[np.uint8], points: Complexes, radius: float, colour: Colour) -> None:
-    """Blend a colour over discs. Their centres x + iy and their radius are in pixels.
-
-    For smooth edges they are drawn FINER times as large, and reduced.
-    """
-    reach = radius + 1
-    for top in range(0, len(picture), ROWS):
-        some = points[abs(points.imag - top - ROWS / 2) < ROWS / 2 + reach]
-        if not len(some):
-            continue
-        left, right = (max(0, int(end)) for end in (some.real.min() - reach, some.real.max() + reach + 1))
-        part = picture[top : top + ROWS, left:right]
-        if not part.size:
-            continue
-        mask = Image.new("L", (FINER * part.shape[1], FINER * len(part)))
-        draw = ImageDraw.Draw(mask)
-        half = FINER * radius * (1 + 1j)
-        for centre in FINER * (some - complex(left, top) + 0.5 + 0.5j):
-            low, high = centre - half, centre + half - 1 - 1j
-            draw.ellipse([round(x) for x in (low.real, low.imag, high.real, high.imag)], fill=colour[3])
-        image = Image.fromarray(part)
-        image.paste(colour[:3], mask=mask.reduce(FINER))
-        part[:] = np.asarray(image)
 
 
 def positions(scene: AxialScene) -> list[complex]:

@@ -10,6 +10,7 @@ from povgen.scene.scene import Scene
 from povgen.scene.scenes import AxialScene
 from povgen.settings import Rendering
 from povgen.video import overlay
+from povgen.video.caption_strips import Colour, Item, strip
 from povgen.video.captions import Caption, captions
 from povgen.video.text import STRIP
 
@@ -50,7 +51,7 @@ def beside(
     scene: Scene,
     rendering: Rendering,
     caption: Caption | None,
-    said: Sequence[tuple[str, overlay.Colour]],
+    said: Sequence[tuple[str, Colour]],
     sketch: Sketch | None,
     cut: bool,
 ) -> Bytes:
@@ -63,8 +64,8 @@ def beside(
     shown = picture.copy()
     overlay.mark(shown, scene, rendering)
     texts = caption or captions([scene], rendering)[0]
-    items = [overlay.Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)]
-    keys = [overlay.Item(text, text, colour) for text, colour in said]
+    items = [Item(*pair) for pair in zip(texts.texts, texts.widest, strict=True)]
+    keys = overlay.legend_items(said)
     if not items and not keys and not sketch:
         return shown
     if cut:
@@ -76,7 +77,7 @@ def beside(
     size = LARGEST
     while True:
         above, legend = (
-            [overlay.strip([item], width - part, height, size, LINES) for item in several] for several in (items, keys)
+            [strip([item], width - part, height, size, LINES) for item in several] for several in (items, keys)
         )
         drawn = [sketch(width - part, round(LETTERS * height))] if sketch else []
         groups = [*above, *drawn, *legend]

@@ -33,8 +33,8 @@ from povgen.validation import as_flag, is_several
 from povgen.version import __version__
 
 if TYPE_CHECKING:  # these, and `encode`, are slow to load, and a picture from the cache does not need them
+    from povgen.video.caption_strips import Colour
     from povgen.video.captions import Caption
-    from povgen.video.overlay import Colour
     from povgen.video.side import Extent
 
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once

@@ -8,7 +8,7 @@ from povgen import Chess, Rendering, Spheres, render
 from povgen.measure.probes import Positions
 from povgen.measure.targets import located
 from povgen.rendering import povray
-from povgen.video import captions, overlay
+from povgen.video import caption_strips, captions, overlay
 
 
 @pytest.mark.parametrize("prisms", some([20, 100], 1))
@@ -27,7 +27,7 @@ def test_annotated_frames_are_made_from_the_same_frame(tmp_path, monkeypatch):
     monkeypatch.setattr(povray.Runner, "run", None)  # no need to render again
     both = render(scene, size=size, antialias="off", caption="full", overlay=True)
     explained = overlay.legend(scene, Rendering(overlay=True))
-    top = len(overlay.strip([overlay.Item(text, text, colour) for text, colour in explained], *size))
+    top = len(caption_strips.strip(overlay.legend_items(explained), *size))
     assert len(both) > len(plain) + top
     within = both[top : top + size[1]]
     assert (within != plain).any() and (within == plain).all(-1).mean() > 0.5

@@ -11,7 +11,7 @@ from povgen.optics import equations
 from povgen.rendering.views import views
 from povgen.scene.model import VIEW
 from povgen.settings import Rendering
-from povgen.video import captions, encode, overlay, side, still
+from povgen.video import caption_strips, captions, encode, overlay, side, still
 from povgen.video.text import STRIP, TEXT, _font, _runs, text_width
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
@@ -197,7 +197,10 @@ EXTREMES = [
 def test_each_note_of_a_movie_is_broken_by_its_own_words():
     notes = "As z2 is far more than z1, the knight is nearly upright", "Neighbouring prisms displace light"
     widest = max(notes, key=text_width)
-    lines = [[item.text for item in overlay._broken(overlay.Item(note, widest, None), 13, 16)] for note in notes]
+    lines = [
+        [item.text for item in caption_strips._broken(caption_strips.Item(note, widest, None), 13, 16)]
+        for note in notes
+    ]
     assert len(lines[0]) == len(lines[1]) > 1
     for note, broken in zip(notes, lines, strict=True):
         assert " ".join(filter(None, broken)) == note
@@ -214,7 +217,7 @@ def test_only_single_letters_are_symbols():
 def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
     """Nor into the text beside it, even if a number is longer than the space that is reserved for it."""
     monkeypatch.setitem(BLANK, size, np.full((size[1], size[0], 3), 120, np.uint8))
-    ends, write = [], overlay.write
+    ends, write = [], caption_strips.write
 
     monkeypatch.setattr(overlay, "_letter", lambda *_: None)
 
@@ -222,7 +225,7 @@ def test_no_text_runs_out_of_the_picture(scene, size, monkeypatch):
         ends.append(((draw, middle), x, x + text_width(text) * height))
         write(draw, x, middle, text, height)
 
-    monkeypatch.setattr(overlay, "write", written)
+    monkeypatch.setattr(caption_strips, "write", written)
     for option in ({"caption": "full"}, {"overlay": True}):
         ends.clear()
         overlay.annotated(BLANK[size], scene, Rendering(size=size, **option))
@@ -290,8 +293,8 @@ def test_all_frames_of_a_movie_are_equally_high(scenes, options, monkeypatch):
 )
 def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     """Every value begins at the same place in all frames. The gaps between the widest values are equal."""
-    found, write = [], overlay.write
-    monkeypatch.setattr(overlay, "write", lambda draw, x, *a: (found[-1].append(x), write(draw, x, *a)))
+    found, write = [], caption_strips.write
+    monkeypatch.setattr(caption_strips, "write", lambda draw, x, *a: (found[-1].append(x), write(draw, x, *a)))
     texts = captions.captions(scenes, Rendering(caption=kind))
     for scene, caption in zip(scenes, texts, strict=True):
         found.append([])
@@ -301,7 +304,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     gaps = [
         b - a - size * text_width(text, size) for (a, b), text in zip(pairwise(found[0]), texts[0].widest, strict=False)
     ]
-    assert np.allclose([gap for gap in gaps if gap > 0], overlay.GAP * size)  # others are from line to line
+    assert np.allclose([gap for gap in gaps if gap > 0], caption_strips.GAP * size)  # others are from line to line
 
 
 @pytest.mark.parametrize(
@@ -400,22 +403,24 @@ def test_a_number_is_not_rounded_to_that_of_a_frame_with_an_image():
 def rows_of(monkeypatch, items, width, height=240):
     """Return the texts of each line of a strip, and the height of its letters."""
     written = []
-    monkeypatch.setattr(overlay, "write", lambda draw, x, middle, text, size: written.append((middle, text, size)))
-    overlay.strip(items, width, height)
+    monkeypatch.setattr(
+        caption_strips, "write", lambda draw, x, middle, text, size: written.append((middle, text, size))
+    )
+    caption_strips.strip(items, width, height)
     return [[text for y, text, _ in written if y == line] for line in sorted({y for y, *_ in written})], written[0][2]
 
 
 def test_a_long_text_is_broken_after_the_same_words_in_all_frames(monkeypatch):
     note = "Question three: which way does the knight turn, and by how much does it turn?"
-    items = [overlay.Item("α = 66°", "α = 166°"), overlay.Item(note, note)]
+    items = [caption_strips.Item("α = 66°", "α = 166°"), caption_strips.Item(note, note)]
     found, size = rows_of(monkeypatch, items, 320)
     assert size == 12 and found[0] == ["α = 66°"] and " ".join(text for (text,) in found[1:]) == note
     said = "rays turned by α = 120° in each window"
     for width in range(110, 260, 10):
-        found, _ = rows_of(monkeypatch, [overlay.Item(said, said)], width)
+        found, _ = rows_of(monkeypatch, [caption_strips.Item(said, said)], width)
         assert "α = 120°" in " / ".join(text for line in found for text in line), width
-    found, _ = rows_of(monkeypatch, [overlay.Item(note, note)] * 6, 160)  # the text is made smaller
-    assert len(found) <= overlay.LINES and {text for line in found for text in line} == {note}
+    found, _ = rows_of(monkeypatch, [caption_strips.Item(note, note)] * 6, 160)  # the text is made smaller
+    assert len(found) <= caption_strips.LINES and {text for line in found for text in line} == {note}
 
 
 def test_a_note_ends_the_caption():
@@ -478,14 +483,14 @@ WIDE = [
 @pytest.mark.parametrize(("scene", "options"), WIDE)
 def test_texts_stand_beside_a_wide_picture(scene, options, monkeypatch):
     """All together has the asked size. Only surroundings are cut off. The smallest letters are 1/40 of the height."""
-    sizes, write = [], overlay.write
+    sizes, write = [], caption_strips.write
 
     def written(draw, x, middle, text, size, *look, **more):
         sizes.append(size)
         assert x >= 0 and x + size * text_width(text, size) <= draw.im.size[0] + 1
         write(draw, x, middle, text, size, *look, **more)
 
-    monkeypatch.setattr(overlay, "write", written)
+    monkeypatch.setattr(caption_strips, "write", written)
     monkeypatch.setattr(side, "write", written)
     size = 1280, 720
     png = encode.png(np.broadcast_to(np.linspace(0, 250, 1280).astype(np.uint8)[:, None], (720, 1280, 3)))

@@ -8,7 +8,7 @@ from povgen import Chess, MovieSpec, Spheres, limits
 from povgen.scene import warnings
 from povgen.scene.cells import camera_cells, jumps
 from povgen.settings import Rendering
-from povgen.video import captions, overlay
+from povgen.video import caption_strips, captions, overlay
 
 SHEETS = [
     {"sheet": "lens", "focal_length": 5},
@@ -259,7 +259,7 @@ def test_captions_name_the_parameters_in_words():
     plain = np.zeros((240, 640, 3), np.uint8)
     with pytest.MonkeyPatch.context() as patch:
         texts = []
-        patch.setattr(overlay, "write", lambda draw, x, middle, text, size: texts.append(text))
+        patch.setattr(caption_strips, "write", lambda draw, x, middle, text, size: texts.append(text))
         overlay.annotated(plain, scene, Rendering(caption="full"))
     assert "focal length = 4.5 tiles" in texts and "α = 66°" in texts
 
