@@ -19,7 +19,7 @@ from povgen.rendering.light import mixed
 from povgen.scene.camera import window
 from povgen.settings import Rendering
 from povgen.video import encode
-from povgen.video.captions import Caption
+from povgen.video.caption_texts import Caption
 from povgen.video.overlay import annotated
 from povgen.video.side import side_view
 from povgen.video.text import DARK, STRIP, TEXT, text_width, write

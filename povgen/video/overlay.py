@@ -15,7 +15,7 @@ from povgen.scene.scene import Scene, object_images
 from povgen.scene.scenes import AxialScene
 from povgen.settings import Rendering
 from povgen.video.caption_strips import HALO, Colour, Complexes, Item, discs, strip
-from povgen.video.captions import Caption, captions
+from povgen.video.caption_texts import Caption, captions
 from povgen.video.outline import outlines
 from povgen.video.text import DARK, LEGIBLE, TEXT, text_width, write
 

@@ -11,7 +11,7 @@ from povgen.scene.scenes import AxialScene
 from povgen.settings import Rendering
 from povgen.video import overlay
 from povgen.video.caption_strips import Colour, Item, strip
-from povgen.video.captions import Caption, captions
+from povgen.video.caption_texts import Caption, captions
 from povgen.video.text import STRIP
 
 SHARE = 0.6  # of the whole width: the picture's

@@ -34,7 +34,7 @@ from povgen.version import __version__
 
 if TYPE_CHECKING:  # these, and `encode`, are slow to load, and a picture from the cache does not need them
     from povgen.video.caption_strips import Colour
-    from povgen.video.captions import Caption
+    from povgen.video.caption_texts import Caption
     from povgen.video.side import Extent
 
 MADE_AT_ONCE = 4  # pictures that are read and drawn on at once
@@ -142,10 +142,10 @@ def pictures(
         texts: Sequence[Caption | None] = [None] * len(once)
         shows = said = cut = None
         if movie and (rendering.annotated or any(notes)):
-            from povgen.video import captions, overlay, panel, side
+            from povgen.video import caption_texts, overlay, panel, side
 
             own = [note for _, note, _ in runs] if notes else ()
-            texts, said = captions.captions(once, rendering, own), overlay.common_legend(once, rendering)
+            texts, said = caption_texts.captions(once, rendering, own), overlay.common_legend(once, rendering)
             cut = panel.is_cut(once, rendering)
         if movie and rendering.side_view:
             shows = side.extent(once, rendering.eye_distance / 2 if rendering.stereo != "none" else 0)

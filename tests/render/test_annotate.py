@@ -8,14 +8,14 @@ from povgen import Chess, Rendering, Spheres, render
 from povgen.measure.probes import Positions
 from povgen.measure.targets import located
 from povgen.rendering import povray
-from povgen.video import caption_strips, captions, overlay
+from povgen.video import caption_strips, caption_texts, overlay
 
 
 @pytest.mark.parametrize("prisms", some([20, 100], 1))
 def test_nu_and_M_are_those_of_prisms_of_this_size(prisms):
     scenes = [Positions(prisms=prisms, z1=2, L=L, extent=0.6) for L in (0.25 + 0.3j, -0.3 + 0.1j, 0.2 - 0.3j)]
     a = np.mean([seen.a for _, seen in located(scenes, (160, 120))])
-    facts = captions.facts(Chess(prisms=prisms, aperture=2.4))
+    facts = caption_texts.facts(Chess(prisms=prisms, aperture=2.4))
     # eqs. 8 and 9 say 15.0 degrees and 0.851
     assert float(facts["nu"].removesuffix("°")) == pytest.approx(np.degrees(np.angle(a)), abs=10 / prisms)
     assert float(facts["M"]) == pytest.approx(abs(a), abs=0.2 / prisms)

@@ -11,7 +11,7 @@ from povgen.optics import equations
 from povgen.rendering.views import views
 from povgen.scene.model import VIEW
 from povgen.settings import Rendering
-from povgen.video import caption_strips, captions, encode, overlay, side, still
+from povgen.video import caption_strips, caption_texts, encode, overlay, side, still
 from povgen.video.text import STRIP, TEXT, _font, _runs, text_width
 
 BLANK = {size: np.full((size[1], size[0], 3), 120, np.uint8) for size in ((640, 480), (320, 240), (64, 48))}
@@ -130,7 +130,7 @@ def test_no_mark_where_the_frame_hides_the_object(scene):
 
 
 def test_the_caption_prints_what_the_equations_predict():
-    assert captions.facts(Chess(alpha=66, sheet="ideal")) == {
+    assert caption_texts.facts(Chess(alpha=66, sheet="ideal")) == {
         "alpha": "66°",
         "z1": "2 tiles",
         "z2": "6 tiles",
@@ -138,8 +138,8 @@ def test_the_caption_prints_what_the_equations_predict():
         "nu": f"{np.degrees(equations.nu(3, radians(66))):.1f}°",
         "M": f"{equations.M(3, radians(66)):.3g}",
     }
-    assert list(captions.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
-    light = captions.facts(Chess(polariser=0, analyser=90, pupil=0.3, focus=8))
+    assert list(caption_texts.facts(Chess(sheet="none"))) == ["z1", "z2", "r"]
+    light = caption_texts.facts(Chess(polariser=0, analyser=90, pupil=0.3, focus=8))
     assert [*light.items()][-4:] == [
         ("pupil", "0.3 tiles"), ("focus", "8 tiles"), ("polariser", "0°"), ("analyser", "90°")
     ]  # fmt: skip
@@ -163,7 +163,7 @@ def test_the_caption_prints_what_the_equations_predict():
     ],
 )
 def test_ranges_are_from_the_least_to_the_greatest(scene, texts):
-    assert [captions.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == texts
+    assert [caption_texts.facts(scene)[name] for name in ("z1", "r", "nu", "M")] == texts
 
 
 @pytest.mark.parametrize("sheet", ["ideal", "detailed"])
@@ -295,7 +295,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     """Every value begins at the same place in all frames. The gaps between the widest values are equal."""
     found, write = [], caption_strips.write
     monkeypatch.setattr(caption_strips, "write", lambda draw, x, *a: (found[-1].append(x), write(draw, x, *a)))
-    texts = captions.captions(scenes, Rendering(caption=kind))
+    texts = caption_texts.captions(scenes, Rendering(caption=kind))
     for scene, caption in zip(scenes, texts, strict=True):
         found.append([])
         parts(scene, texts=caption)
@@ -389,7 +389,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
     ],
 )
 def test_a_short_caption_says_what_moves(scenes, texts):
-    found = captions.captions(scenes, Rendering(caption="short"))
+    found = caption_texts.captions(scenes, Rendering(caption="short"))
     assert [", ".join(filter(None, caption.texts)) for caption in found] == texts
 
 
@@ -397,7 +397,7 @@ def test_a_number_is_not_rounded_to_that_of_a_frame_with_an_image():
     """At a gap of 2 tiles the rays meet, and at 1.97 they do not, as the side view says."""
     scenes = [Chess(sheet="ideal", alpha=120, z2=8, z1=2, window=f"z={z},alpha=120") for z in (1, 1.97, 2, 4)]
     for side_view, text in ((True, "windows 1.97 tiles apart"), (False, "windows 2.0 tiles apart")):
-        assert captions.captions(scenes, Rendering(caption="short", side_view=side_view))[1].texts[0] == text
+        assert caption_texts.captions(scenes, Rendering(caption="short", side_view=side_view))[1].texts[0] == text
 
 
 def rows_of(monkeypatch, items, width, height=240):
@@ -427,7 +427,7 @@ def test_a_note_ends_the_caption():
     scenes = [Chess(z1=z1, sheet="none") for z1 in (2, 3)]
     for caption, texts in (("none", []), ("short", ["z₁ = 2 tiles behind the window"])):
         noted = Rendering(caption=caption, note="a note")
-        assert noted.annotated and captions.captions(scenes, noted)[0].texts == [*texts, "a note"]
+        assert noted.annotated and caption_texts.captions(scenes, noted)[0].texts == [*texts, "a note"]
     with pytest.raises(InputError, match="note = 'Ж': is not allowed.*Latin"):
         Rendering(note="Ж")  # povgen's font lacks it
 

@@ -14,7 +14,7 @@ from PIL import Image
 
 from povgen import Chess, InputError, Rendering, Scene, Spheres, info, movie, render, save
 from povgen import record as records
-from povgen.cli import options as cli_options
+from povgen.cli import shared_options
 from povgen.inputs import mesh, pictures, pieces
 from povgen.liveview.values import values as live_values
 from povgen.rendering import povray
@@ -72,7 +72,7 @@ def test_a_picture_is_made_again(kind, tmp_path, monkeypatch):
         assert made.rendering.size == (320, 240) and made.frames[0]["parameter"] == {"k": 0.1}
         # --sheet auto may choose the antialiasing, too
         given = [{"sheet": "auto"}, {"sheet": "auto", "antialias": "2x"}, {}]
-        assert ["antialias" in cli_options.again(tmp_path / "a.png", None, values, True)[2] for values in given] == [
+        assert ["antialias" in shared_options.again(tmp_path / "a.png", None, values, True)[2] for values in given] == [
             0,
             1,
             1,
@@ -146,7 +146,7 @@ def test_what_a_record_says(tmp_path, monkeypatch):
     save(Chess(sheet="none"), tmp_path / "a.png", **SMALL)
     assert info(tmp_path / "a.png").command.startswith("povgen.save(Chess(sheet='none'), '/")
     assert info(tmp_path / "a.png").command.endswith("a.png', size=(48, 36), antialias='off')")
-    monkeypatch.setattr("povgen.cli.options.__version__", "9.9")
+    monkeypatch.setattr("povgen.cli.shared_options.__version__", "9.9")
     assert f"a.png: made by povgen {__version__} and POV-Ray" in povgen(["frame", "--from", "a.png"], tmp_path)[2]
 
 

@@ -12,7 +12,7 @@ from povgen.optics.glasses import GLASSES, index
 from povgen.scene.shader import uniforms
 from povgen.scene.survey import Survey
 from povgen.sheets import USED_BY
-from povgen.video.captions import facts
+from povgen.video.caption_texts import facts
 
 # n of the yellow line d and Abbe's number, as Schott's data sheets state them; of the others, as their papers do
 STATED = {

@@ -8,7 +8,7 @@ from povgen import Chess, MovieSpec, Spheres, limits
 from povgen.scene import warnings
 from povgen.scene.cells import camera_cells, jumps
 from povgen.settings import Rendering
-from povgen.video import caption_strips, captions, overlay
+from povgen.video import caption_strips, caption_texts, overlay
 
 SHEETS = [
     {"sheet": "lens", "focal_length": 5},
@@ -31,7 +31,7 @@ def test_they_contain_the_rotating_sheet_and_no_sheet():
         Chess(sheet="lenslets", ratio=1, alpha=50),
     ):
         assert scene.apparent_position(scene.L, 2) == pytest.approx(right.apparent_position(right.L, 2))
-        assert captions.facts(scene)["alpha"] == "50°"
+        assert caption_texts.facts(scene)["alpha"] == "50°"
     none = Chess(sheet="none")
     for sheet in ("axis", "refraction", "lenslets"):
         scene = Chess(sheet=sheet, alpha=0)
@@ -175,8 +175,8 @@ def test_overlays_are_drawn(values):
     ((parts, _),) = overlay.loci(scene, 0.02)
     assert abs(np.concatenate(parts) - overlay.positions(scene)[0]).min() < 0.02
     assert "P at all distances z₁" in dict(overlay.legend(scene, Rendering(overlay=True)))
-    assert "M" not in captions.facts(scene)
-    assert ("ratio" in captions.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
+    assert "M" not in caption_texts.facts(scene)
+    assert ("ratio" in caption_texts.facts(scene)) == (scene.sheet in ("refraction", "lenslets"))
     assert not [*warnings.warnings(scene, Rendering(overlay=True, caption="full"))]
 
 
@@ -255,7 +255,7 @@ def test_sheets_that_cannot_be_are_refused(values, words):
 
 def test_captions_name_the_parameters_in_words():
     scene = Chess(sheet="twist", twist=20, window="z=1,sheet=lens,focal_length=4.5")
-    assert captions.facts(scene)["twist"] == "20°/tile"
+    assert caption_texts.facts(scene)["twist"] == "20°/tile"
     plain = np.zeros((240, 640, 3), np.uint8)
     with pytest.MonkeyPatch.context() as patch:
         texts = []
@@ -266,11 +266,11 @@ def test_captions_name_the_parameters_in_words():
 
 def test_a_movie_of_several_sheets_states_no_angle_of_a_lens():
     scenes = [Chess(sheet=sheet) for sheet in ("ideal", "mirror", "lens")]
-    said = [caption.texts for caption in captions.captions(scenes, Rendering(caption="short"))]
+    said = [caption.texts for caption in caption_texts.captions(scenes, Rendering(caption="short"))]
     assert said == [["rays turned by α = 66°"], ["mirror line at 33°"], [""]]
     windows = {"sheet": "ideal", "alpha": 30}, {"sheet": "lens", "focal_length": 3}
     scenes = [Chess(sheet="ideal", window=[{"z": 2, **window}]) for window in windows]
-    said = [caption.texts for caption in captions.captions(scenes, Rendering(caption="short"))]
+    said = [caption.texts for caption in caption_texts.captions(scenes, Rendering(caption="short"))]
     assert said == [["α₂ = 30°", ""], ["", "focal length₂ = 3 tiles"]]
 
 

@@ -14,7 +14,7 @@ from povgen.scene.room import Eye, Room
 from povgen.scene.scene import object_images
 from povgen.settings import Rendering
 from povgen.video import overlay
-from povgen.video.captions import captions
+from povgen.video.caption_texts import captions
 
 SIZE = 640, 480
 LEFT, RIGHT = Window(name="left", alpha=90, x=-1.75), Window(alpha=40, x=1.75, sheet="detailed")

@@ -13,7 +13,7 @@ from povgen.scene.scene import is_empty
 from povgen.scene.windows import FurtherWindow
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
-from povgen.video import captions, outline, overlay
+from povgen.video import caption_texts, outline, overlay
 
 TWO = {"alpha": 120, "window": [{"alpha": 120, "z": 2}], "z2": 8}
 MIXED = {"sheet": "ideal", "window": ["alpha=-30,z=1.5", "alpha=70,z=3,sheet=detailed"]}
@@ -121,7 +121,7 @@ def test_what_the_exact_trace_shows_is_visible(rng, values):
 
 def test_captions_and_curves_are_of_all_windows():
     scene = Chess(sheet="ideal", **TWO)
-    facts = captions.facts(scene)
+    facts = caption_texts.facts(scene)
     assert facts == {
         "alpha": "120° in each window",
         "z": "0, 2 tiles",
@@ -134,7 +134,7 @@ def test_captions_and_curves_are_of_all_windows():
     assert colour == overlay.ALPHA_COLOUR and len(overlay.legend(scene, Rendering(overlay=True))) == 3
     curve = np.concatenate(parts)
     assert abs(curve - overlay.positions(scene)[0]).min() < 0.01  # the blue curve runs through the yellow dot
-    assert captions.facts(scene.replace(alpha=60))["alpha"] == "60°, 120°"
+    assert caption_texts.facts(scene.replace(alpha=60))["alpha"] == "60°, 120°"
 
 
 def rays_to(scene, number, count, rng):
@@ -233,7 +233,7 @@ def test_nu_and_M_where_nothing_is_turned():
     nu, M = Chess(sheet="ideal", alpha=40, window="sheet=none,z=2").nu_and_M(z1)
     wanted = Chess(sheet="ideal", alpha=40).nu_and_M(2 + z1)
     assert nu == pytest.approx(wanted[0]) and M == pytest.approx(wanted[1])
-    assert {"nu", "M"} < captions.facts(Chess(sheet="ideal", window="sheet=none,z=2")).keys()
+    assert {"nu", "M"} < caption_texts.facts(Chess(sheet="ideal", window="sheet=none,z=2")).keys()
     nu, M = Chess(sheet="none", window="alpha=20,z=2").nu_and_M(z1)
     assert (nu == 0).all() and M == pytest.approx(6 / (8 + z1))
     for sheet in ("single", *OTHER):  # what an object looks like there is more than an angle and a size

@@ -5,15 +5,15 @@ from typing import Any
 
 import click
 
-from povgen.cli import options
-from povgen.cli.command import Command, fields
+from povgen.cli import shared_options
+from povgen.cli.model_options import Command, fields
 from povgen.page.page import demo
 from povgen.progress import wrote
 from povgen.rendering.parallel import worker_count
 
 
 @click.command("demo", cls=Command)
-@options.output("FILE", "the page, .html (default demo.html)")
+@shared_options.output("FILE", "the page, .html (default demo.html)")
 @click.option(
     "--piece",
     metavar="FILE",
@@ -34,8 +34,8 @@ from povgen.rendering.parallel import worker_count
     help="render POV-Ray's three movies as well, beside the page; the other options are for them; --workers and "
     "--timeout also for the pieces",
 )
-@options.workers
-@options.quiet
+@shared_options.workers
+@shared_options.quiet
 @fields("rendering")
 def command(
     output: Path | None,
@@ -49,7 +49,7 @@ def command(
     **values: Any,  # noqa: ANN401  (texts and Booleans)
 ) -> None:
     """Make a page to teach with: the scene, live, beside the geometry and the equations. It needs no network."""
-    _, rendering = options.split(values)
+    _, rendering = shared_options.split(values)
     count = worker_count(workers)
     given: dict[str, Any] = {
         "pieces": piece,

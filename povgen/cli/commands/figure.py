@@ -5,8 +5,8 @@ from typing import Any
 
 import click
 
-from povgen.cli import options
-from povgen.cli.command import Command, fields
+from povgen.cli import shared_options
+from povgen.cli.model_options import Command, fields
 from povgen.errors import InputError
 from povgen.progress import wrote
 from povgen.settings import QUALITIES, Print, Rendering
@@ -14,7 +14,7 @@ from povgen.settings import QUALITIES, Print, Rendering
 
 @click.command("figure", cls=Command)
 @click.argument("numbers", metavar="NUMBER...", nargs=-1, required=True, help="numbers of figures, 1 to 6")
-@options.output("FOLDER", "the folder for pictures and captions", "figures")
+@shared_options.output("FOLDER", "the folder for pictures and captions", "figures")
 @click.option(
     "--quality",
     metavar="QUALITY",
@@ -35,7 +35,7 @@ def command(numbers: tuple[str, ...], output: Path, quality: str, pdf: bool, **v
     files = {
         f"figure{number}.md": [f"figure{number}.{kind}" for kind in ("md", "png", "svg", "pdf")] for number in numbers
     }
-    with options.made_folder(output, files) as folder:
+    with shared_options.made_folder(output, files) as folder:
         from povgen.paper.figures import save_figure  # after all checks, because matplotlib is slow to load
 
         for number in numbers:

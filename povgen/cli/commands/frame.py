@@ -5,8 +5,8 @@ from typing import Any
 
 import click
 
-from povgen.cli import options
-from povgen.cli.command import Command, fields
+from povgen.cli import shared_options
+from povgen.cli.model_options import Command, fields
 from povgen.errors import InputError
 from povgen.files import checked_output
 from povgen.progress import wrote
@@ -16,12 +16,12 @@ from povgen.video.still import as_file, rendering_for
 
 
 @click.command("frame", cls=Command)
-@click.argument("scene", metavar="[SCENE]", required=False, help=f"{options.SCENE}; none with --from")
-@options.source
-@options.output("FILE", f"the file to write, {' or '.join(PICTURES)} (default frame.png)")
-@options.tolerance
-@options.dry_run
-@options.quiet
+@click.argument("scene", metavar="[SCENE]", required=False, help=f"{shared_options.SCENE}; none with --from")
+@shared_options.source
+@shared_options.output("FILE", f"the file to write, {' or '.join(PICTURES)} (default frame.png)")
+@shared_options.tolerance
+@shared_options.dry_run
+@shared_options.quiet
 @fields("scenes", "rendering", auto=True)
 def command(
     scene: str | None,
@@ -38,18 +38,18 @@ def command(
     """
     if (scene is None) == (source is None):
         reason = ": missing" if scene is None else f" = {scene!r}: not with --from, which shows the file's scene"
-        raise InputError(f"scene{reason}; allowed: {options.SCENE}, or else --from FILE")
+        raise InputError(f"scene{reason}; allowed: {shared_options.SCENE}, or else --from FILE")
     first = None
     if source is not None:
-        record, (first, *others), values = options.again(source, output, values, quiet)
+        record, (first, *others), values = shared_options.again(source, output, values, quiet)
         if record.frame_rate is not None:
             raise InputError(f"from = {str(source)!r}: a movie of {len(others) + 1} frames; allowed: a picture")
-    values, chosen = options.split(values)
-    automatic = options.automatic(values, chosen, tolerance, dry_run)
+    values, chosen = shared_options.split(values)
+    automatic = shared_options.automatic(values, chosen, tolerance, dry_run)
     if automatic is not None:
         values["sheet"] = "detailed"
-    made = first.replace(**values) if first else options.scene_of(str(scene), values)
-    inputs: list[str | Path] = [*input_files([made]), *options.scene_files(scene), *([source] if source else [])]
+    made = first.replace(**values) if first else shared_options.scene_of(str(scene), values)
+    inputs: list[str | Path] = [*input_files([made]), *shared_options.scene_files(scene), *([source] if source else [])]
     file = checked_output(output or "frame.png", PICTURES, inputs=inputs)
     rendering = rendering_for(file, chosen)
     check_unasked([] if output or dry_run else [file])
@@ -58,8 +58,8 @@ def command(
         made, rendering = made.replace(**sheet), rendering_for(file, {**chosen, **choice})
     made = made.fitted(rendering.size)
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
-    stated = values if first else options.stated(made, values)
-    if options.ready([made], rendering, stated if automatic is None else {}, dry_run, quiet):
+    stated = values if first else shared_options.stated(made, values)
+    if shared_options.ready([made], rendering, stated if automatic is None else {}, dry_run, quiet):
         save(as_file(made, rendering, file.suffix, quiet=quiet), file)
         if not quiet:
             wrote(file)

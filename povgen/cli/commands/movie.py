@@ -6,9 +6,9 @@ from typing import Any
 
 import click
 
-from povgen.cli import options
-from povgen.cli.command import Command, fields
-from povgen.cli.options import Values
+from povgen.cli import shared_options
+from povgen.cli.model_options import Command, fields
+from povgen.cli.shared_options import Values
 from povgen.errors import InputError, TransientError, one_line
 from povgen.progress import bar, counted, tell, wrote
 from povgen.record import check_unasked
@@ -30,7 +30,7 @@ from povgen.video.encode import FORMATS
     help="a movie's TOML file, or the name of one of povgen's own movies; or, with --sweep, a scene (chess, spheres or "
     "room) or a room's TOML file; none with --from",
 )
-@options.source
+@shared_options.source
 @click.option(
     "--sweep",
     metavar="NAME=START:STOP",
@@ -43,18 +43,18 @@ from povgen.video.encode import FORMATS
 @click.option("--ease/--no-ease", default=None, help="whether the sweeps start and stop gently")
 @click.option("--hold", metavar="SECONDS", help="how long both ends, and the frame at via, stay, 0 to 10")
 @click.option("--loop/--no-loop", default=None, help="whether the movie goes there and back")
-@options.output(
+@shared_options.output(
     "FILE",
     f"{', '.join(FORMATS)}; or frames/%04d.png or frames/%04d.exr for a file of each frame (default: NAME.mp4)",
 )
-@options.workers
-@options.scheduler
+@shared_options.workers
+@shared_options.scheduler
 @click.option(
     "--shard", "part", metavar="I/N", help="only render every N-th frame, starting with the I-th; make no movie"
 )
-@options.tolerance
-@options.dry_run
-@options.quiet
+@shared_options.tolerance
+@shared_options.dry_run
+@shared_options.quiet
 @fields("scenes", "rendering", auto=True)
 def command(
     spec: str | None,
@@ -79,7 +79,7 @@ def command(
         given |= {"exact_frames": True, "hold": given.get("hold", 0)}
     film_with, values, chosen = _loaded(spec, source, sweep, output, given, values, quiet)
     count, scheduler = worker_count(workers), checked_scheduler(scheduler)
-    automatic = options.automatic(values, chosen, tolerance, dry_run)
+    automatic = shared_options.automatic(values, chosen, tolerance, dry_run)
     file = output or Path(f"{'movie' if spec == '-' else Path(source or spec or '').stem}.mp4")
     rendering = movie_rendering(file, chosen) if part is None else Rendering(**of_movie(chosen))
     made = film_with(values if automatic is None else {**values, "sheet": "detailed"}, rendering.quality)
@@ -101,7 +101,7 @@ def command(
     scenes, sampled = _shard(made.scenes, rendering if part else plan.shown[0], part)
     # with --sheet auto, no parameter of the prisms is without effect: it always renders the prisms, to compare
     used = dict.fromkeys(made.swept) | values if automatic is None else {}
-    if not options.ready(scenes, sampled, used, dry_run, quiet):
+    if not shared_options.ready(scenes, sampled, used, dry_run, quiet):
         return
     if part is not None:
         return _render_shard(part, scenes, sampled, count, quiet)
@@ -128,7 +128,7 @@ def _loaded(
             raise InputError(
                 "spec: missing; allowed: a TOML file, a movie's name, a scene with --sweep, or --from FILE"
             )
-        values, rendering = options.split(values)
+        values, rendering = shared_options.split(values)
         loaded = _movie_of(spec, sweeps, given, {name: value for name, value in values.items() if value != "auto"})
         return lambda values, quality: film(loaded.with_fixed(values), quality, {}), values, rendering
 
@@ -137,12 +137,12 @@ def _loaded(
         if value is not None:
             raise InputError(f"{name} = {value!r}: not with --from, which makes the same frames; allowed: one of them")
     notes = "note" not in values
-    record, scenes, values = options.again(source, output, values, quiet)
+    record, scenes, values = shared_options.again(source, output, values, quiet)
     if record.frame_rate is None:
         raise InputError(f"from = {str(source)!r}: a picture; allowed: a movie")
     rate = FilmOptions(frame_rate=given.get("frame_rate", record.frame_rate)).frame_rate
     title = one_line(record.title or "")[:200] or None  # if it is the name of a file, it can be longer
-    values, rendering = options.split(values)
+    values, rendering = shared_options.split(values)
     texts = record.notes if notes else ()
 
     def made(values: Values, _: str) -> Film:

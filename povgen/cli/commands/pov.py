@@ -8,8 +8,8 @@ from zlib import crc32
 
 import click
 
-from povgen.cli import options
-from povgen.cli.command import Command, fields
+from povgen.cli import shared_options
+from povgen.cli.model_options import Command, fields
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.files import checked_output
@@ -26,8 +26,8 @@ from povgen.sheets.parameters import WAVELENGTH
 
 
 @click.command("pov", cls=Command)
-@options.scene
-@options.output("FILE", "the file to write")
+@shared_options.scene
+@shared_options.output("FILE", "the file to write")
 @click.option("--part", metavar="sheets", help="write the sheets alone (.inc), to #include in a scene of your own")
 @fields("scenes", "sampling")
 def command(scene: str, output: Path | None, part: str | None, **values: Any) -> None:  # noqa: ANN401
@@ -37,15 +37,15 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
     The picture of the mountains, those of --sky and --floor, and a room's rays, which the source names, are written
     beside the file of -o.
     """
-    values, sampling = options.split(values)
-    made = options.scene_of(scene, values).fitted(Sampling(**sampling).size)
+    values, sampling = shared_options.split(values)
+    made = shared_options.scene_of(scene, values).fitted(Sampling(**sampling).size)
     if part not in (None, "sheets"):
         raise InputError(f"part = {part!r}: allowed: sheets")
     if part and sampling:
         raise InputError(f"part = {part!r}, {next(iter(sampling))}: the picture is not povgen's; allowed: one of them")
     if output is not None:
         output = checked_output(
-            output, [".inc" if part else ".pov"], inputs=[*input_files([made]), *options.scene_files(scene)]
+            output, [".inc" if part else ".pov"], inputs=[*input_files([made]), *shared_options.scene_files(scene)]
         )
     name = "scene.pov" if output is None else output.name
     stem = Path(name).stem
@@ -53,7 +53,7 @@ def command(scene: str, output: Path | None, part: str | None, **values: Any) ->
         stem = f"scene-{crc32(stem.encode()):08x}"
     rays = f"{stem}-rays-"
     text = to_sheets(made) if part else to_pov(made, file=name, rays=rays, **sampling)
-    warn(options.stated(made, values), [made])
+    warn(shared_options.stated(made, values), [made])
     for lost in _left_out(made):
         say(f"povgen: warning: {lost}")
     if output is None:

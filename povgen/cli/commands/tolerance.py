@@ -9,8 +9,8 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from povgen.cli import options
-from povgen.cli.command import Command, fields
+from povgen.cli import shared_options
+from povgen.cli.model_options import Command, fields
 from povgen.cli.report import warn_unused
 from povgen.errors import InputError, one_line
 from povgen.files import checked_output
@@ -26,7 +26,7 @@ from povgen.video.still import record_of
 
 
 @click.command("tolerance", cls=Command)
-@options.scene
+@shared_options.scene
 @click.option(
     "--deviation",
     metavar="NAME=NUMBER",
@@ -38,8 +38,8 @@ from povgen.video.still import record_of
 @click.option(
     "--workers", metavar="N", help="how many processes compute at once, 1 to 256 (default: one for each core)"
 )
-@options.scheduler
-@options.output(
+@shared_options.scheduler
+@shared_options.output(
     "FILE",
     "also draw a chart into this .png, .svg or .pdf file, and write its numbers beside it, as .csv: of random builds, "
     "or without --deviation of each error",
@@ -57,7 +57,7 @@ def command(
 ) -> None:
     """Trace how errors of building a pair of sheets change what is seen: for each error, and for random builds."""
     printed = Print(**{name: values.pop(name) for name in Print.model_fields if name in values})
-    made = checked_axial(options.scene_of(scene, values), "povgen tolerance")
+    made = checked_axial(shared_options.scene_of(scene, values), "povgen tolerance")
     count = worker_count(workers)
     warn_unused(values, [made])
     given = {name: value for name, value in (("builds", builds), ("seed", seed)) if value is not None}

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
-from povgen.cli import options
-from povgen.cli.command import Command
+from povgen.cli import shared_options
+from povgen.cli.model_options import Command
 from povgen.errors import InputError
 from povgen.files import checked_output
 from povgen.measure.measured import Measured
@@ -30,7 +30,7 @@ from povgen.version import __version__
 @click.option(
     "--live", is_flag=True, help="compare the live view in a Chromium with the renderer gl (needs playwright)"
 )
-@options.output("FOLDER", "folder for the maps (default stability)")
+@shared_options.output("FOLDER", "folder for the maps (default stability)")
 def command(
     sheet: str | None,
     json_file: Path | None,
@@ -51,7 +51,7 @@ def command(
             from povgen.measure.stability_map import save_maps
 
             files = {f"{name}.csv": (f"{name}.csv", f"{name}.png") for name in MAPS}
-            folder = opened.enter_context(options.made_folder(output or Path("stability"), files))
+            folder = opened.enter_context(shared_options.made_folder(output or Path("stability"), files))
         # the table appears with its first row
         console = Console(width=None if sys.stdout.isatty() else 120)
         shown = opened.enter_context(Live(console=console, auto_refresh=False))
