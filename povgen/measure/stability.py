@@ -64,7 +64,7 @@ MAPS = {made.name: made for made in (  # without rows
         band=("left", limits.MIN_GAP, "povgen refuses"),
     ),
     StabilityMap(
-        "gap-wide", "(c) air gap, wide", GAP, "designed light lost (%), below 0: gained", 3, "x",
+        "gap-wide", "(c) air gap, wide", GAP, "designed light lost (% of that at gap 10⁻⁶)", 3, "x",
         finding=f"(c) Up to {limits.WIDE_GAP:g} of the pitch, an air gap loses little light",
         band=("right", limits.WIDE_GAP, "more is\nlost"), groups={"N": "N = 100, 1000 and 3000: mean"},
     ),
@@ -78,7 +78,7 @@ MAPS = {made.name: made for made in (  # without rows
         "field", "(e) field angle", "field angle: of the line of sight to the axis (degrees)",
         "pixels without light turned by α (%)", 50,
         finding="(e) Beyond 12° off the axis, over half of the pixels lack light turned by α",
-        band=("above", 50, ""), ends=(0, 100),
+        band=("above", 50, "over half"), ends=(0, 100),
         groups={"α": "α = 0°, 66°, 120° and 180°:\nmean and range"},
     ),
     StabilityMap(  # 1 % more than where povgen warns, because the warning uses only a sample of rays

@@ -112,11 +112,11 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     others = (_draw_points if measured.is_estimate else _draw_lines)(ax, measured)
     if measured.ends:
         ax.set_ylim(*measured.ends)
-    elif "y" not in measured.log_axes and min(y for *_, y in measured.rows) >= 0:
+    elif ax.get_yscale() == "linear" and min(y for *_, y in measured.rows) >= 0:
         ax.set_ylim(bottom=0)
     ends = ax.get_xlim(), ax.get_ylim()
     for name, (least, most) in zip("xy", ends, strict=True):
-        if name in measured.log_axes:
+        if getattr(ax, f"get_{name}scale")() == "log":
             subs = (1, 2, 5) if most < 30 * least else (1, 3) if most < 1000 * least else (1,)
             plain_ticks(getattr(ax, f"{name}axis"), subs)
     bottom = ends[1][0]
@@ -154,20 +154,20 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
 
 
 def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
-    """Draw points, and circles round those whose y is greater than its estimate x. Return what else to name."""
+    """Draw points: y as a multiple of its estimate x. Return what else to name."""
+    ax.set(yscale="linear", ylabel=f"{measured.y.partition(' (')[0]} / stated error")
     groups = _grouped(measured, dict.fromkeys(name for name, *_ in measured.rows))
     for n, (label, names) in enumerate(groups.items()):
-        points = [row for name, *row in measured.rows if name in names]
+        points = [(x, y / x) for name, x, y in measured.rows if name in names]
         ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
     if len(groups) > 1:
-        ax.legend(fontsize=11, loc="lower right")  # a sign beside a name would look like a point
+        ax.legend(
+            fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92)
+        )  # a sign beside a name would look like a point
     for each in ax.lines:
         each.set_label("_")
-    stated = [min(x for _, x, _ in measured.rows), max(x for _, x, _ in measured.rows)]
-    ax.plot(stated, stated, ":", color=GREY, label="as great as stated")
-    above = [(x, y) for _, x, y in measured.rows if y > x]
-    ax.plot(*np.reshape(above, (-1, 2)).T, "o", color=RED, markersize=13, fillstyle="none")
-    return [("circled: greater than stated", above, RED)] if above else []
+    ax.axhline(1, linestyle=":", color=GREY, label="as great as stated")
+    return []
 
 
 def _draw_lines(ax: Axes, measured: StabilityMap) -> list[Named]:
