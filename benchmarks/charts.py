@@ -53,7 +53,10 @@ HEADS = {  # of the tables
     "workers": ("workers", "wall s", "fraction of cores busy", "cores"),
 }
 TITLES = {  # of the charts of frames
-    size: (f"Prisms: gl costs less than {part}\nof what POV-Ray costs", f"Ideal sheet: gl costs less{errors}")
+    size: (
+        f"Prisms: for the same error, gl costs\nless than {part} of what POV-Ray costs",
+        f"Ideal sheet: gl costs less{errors}",
+    )
     for size, part, errors in (
         ("160x120", "half", " for every error"),
         ("320x240", "a third", ",\nexcept at the smallest errors"),

@@ -137,16 +137,15 @@ def chart() -> None:
         right.set_title("Up to a pitch of 5 mm, prisms are sharper than lenses")
         right.axvline(5, color=GREY, linestyle=":")
         right.text(5.2, 1.05, "5 mm", color=GREY, va="bottom")
-        conditions = "f-number: of confocal lenses (thin lenticulars: 2, in air); index 1.517; "
-        conditions += "right: a point 1 m behind the window, the eye 1 m before it"
+        conditions = "index 1.517; right: a point 1 m behind the window, the eye 1 m before it"
         figure.supxlabel(conditions, fontsize=11)
         for axis in (right.xaxis, right.yaxis):
             plain_ticks(axis)
         for ax in (left, right):
             ax.grid(alpha=0.25)
         save_lines(CHART.with_suffix(".csv"), left, right)
-        for ax in (left, right):
-            name_lines(ax, short=lambda name: name.split(", ")[-1 if "confocal" in name else 0])
+        left.legend(fontsize=11, loc="upper right")
+        name_lines(right, short=lambda name: name.split(", ")[-1 if "confocal" in name else 0])
 
 
 def draw(ax: Axes, x: Sequence[float], y: Sequence[float], name: str) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from lines import save_lines
 
 from povgen import Bundle, Chess
-from povgen.measure.plotting import GREY, Axes, drawn, name_lines, plain_ticks
+from povgen.measure.plotting import GREY, Axes, drawn, plain_ticks
 from povgen.optics.equations import depth
 from povgen.optics.polarisation import transmission
 
@@ -35,8 +35,9 @@ def save_charts(folder: Path) -> None:
         save_lines(folder / "diffraction.csv", left, right)
         conditions = f"left: 550 nm, α = {ALPHA}°, the eye {Z2:g} m before the sheets; dots: the best pitch"
         figure.supxlabel(conditions, fontsize=11)
-        for ax in (left, right):
-            name_lines(ax, short=lambda name: name.split(":")[0])
+        left.legend(fontsize=11, loc="upper center")
+        handles, names = right.get_legend_handles_labels()
+        right.legend(handles[::-1], names[::-1], fontsize=11, loc="upper left")  # in the order of the lines
 
 
 def draw_polarisation(ax: Axes) -> None:
@@ -67,7 +68,7 @@ def draw_blur(ax: Axes) -> None:
     ax.text(0.033, 0.93, "what an eye resolves", color=GREY, va="top")
     # along the two straight parts of the curves, which fall and rise at about 45 degrees
     ax.text(0.075, 2.6, "diffraction", color=GREY, ha="center", va="center", rotation=-45)
-    ax.text(1.5, 5.4, "size of prisms", color=GREY, ha="center", va="center", rotation=45)
+    ax.text(5.4, 3.3, "size of prisms", color=GREY, ha="center", va="center", rotation=45)
     ax.set(xlabel="pitch (mm)", ylabel="RMS blur (minutes of arc)", ylim=(0.3, 30), xlim=(0.03, 10))
     ax.grid(alpha=0.25)
     plain_ticks(ax.xaxis, (1,))

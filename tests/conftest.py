@@ -127,6 +127,12 @@ def pytest_ignore_collect(collection_path, config):
     return True if name in ("release", "test_site.py") and config.option.markexpr == "not release" else None
 
 
+def pytest_terminal_summary(terminalreporter):
+    """Say why tests were run once more."""
+    for report in terminalreporter.stats.get("rerun", ()):
+        terminalreporter.write_line(f"RERUN {report.nodeid}\n{report.longreprtext}")
+
+
 @pytest.fixture(autouse=True, scope="session")
 def cache(tmp_path_factory):
     """A cache for this run, which all its processes share. So no frame of an earlier version of the code is used."""

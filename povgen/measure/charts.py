@@ -49,7 +49,10 @@ def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None)
             axes = figure.subplots(1, 2)
             axes[0].set(ylabel="RMS error (1: white)")
             letters = "; ".join(f"{names[0][0]}: {', '.join(names)}" for names in _qualities(True).values())
-            figure.supxlabel(f"lines: samplings that no cheaper one beats; {letters} (--quality)", fontsize=11)
+            figure.supxlabel(
+                f"lines: samplings that no cheaper one beats; {letters} (--quality); gl was not measured at 1.5x",
+                fontsize=11,
+            )
             named = (titles or {}).get(f"{width}x{height}", ("Prisms", "Ideal sheet"))
             for ax, prisms, title in zip(axes, (True, False), named, strict=True):
                 ax.set(xscale="log", yscale="log", title=title, xlabel=f"CPU seconds for a frame of {width}x{height}")
@@ -85,8 +88,8 @@ def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
         best = [each for n, each in enumerate(found) if all(each[1] < before[1] for before in found[:n])]
         for x, y, sampling in found:
             if sampling in names:
-                ax.plot(x, y, look[-1], color=colour, markersize=18, zorder=3)
-                letter = ax.text(x, y, names[sampling][0][0], color="white", weight="bold", zorder=4)
+                ax.plot(x, y, look[-1], color=colour, markersize=13, zorder=3)
+                letter = ax.text(x, y, names[sampling][0][0], color="white", weight="bold", fontsize=9, zorder=4)
                 letter.set(ha="center", va="center_baseline")
         if best:
             ax.plot(*np.transpose([each[:2] for each in best]), look, color=colour, markersize=5, label=label)
