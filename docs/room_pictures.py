@@ -75,13 +75,20 @@ def windows(picture: Picture) -> None:
 def box(picture: Picture) -> None:
     """Also outline the knight and its pedestal where they stand."""
     windows(picture)
+    # the image stands in front of the box, and hides its edges
+    with_knight, empty = (
+        picture.render(picture.room),
+        picture.render(picture.room.replace(object=picture.room.object[:1])),
+    )
+    image = np.dstack((with_knight, 255 * (with_knight != empty).any(-1).astype(np.uint8)))
+    picture.ax.imshow(image, extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()), zorder=2.5)
     alone = picture.room.replace(window=(), object=picture.room.object[-2:])
     knight = (picture.render(alone, 4) != picture.render(alone.replace(object=()), 4)).any(-1)
     places = picture.room.camera.pixels(knight.shape[::-1])
     x, y = places[0].real, places[:, 0].imag
-    picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4)
-    picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed")
-    picture.write(np.array((-0.15, 0.72, 0)), "stands here", 18)
+    picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4, zorder=3)
+    picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed", zorder=3)
+    picture.write(np.array((-0.55, 0.72, 0)), "the knight stands here", 18)
     picture.write(np.array((1.0, 1.48, 0)), "image, in front of the box", 18)
     picture.line(np.array(((1.2, 1.33, 0), (1.0, 0.5, 0))), INK, 2)
     picture.write(np.array((-1.4, -1.42, -1)), "each side: α = 180°", 13)
@@ -91,7 +98,7 @@ def star(picture: Picture) -> None:
     """Draw plain sheets, and a ray that goes round once. Number the sheets in its order, and extend both its ends."""
     floor = picture.render(picture.room.replace(window=()))
     picture.ax.imshow(floor, extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()), alpha=0.3)
-    found = picture.room.trace(Bundle((0.385, -1.69, -0.95), (-1, 0.455, 0)), path=True)
+    found = picture.room.trace(Bundle((0.25, -1.629, -0.95), (-1, 0.455, 0)), path=True)
     ray, sheets = found.corners[:10], [picture.room.openings[n] for n in found.windows[:8]]
     parts = [(sheet.pose.place, sheet.edge) for sheet in sheets]
     parts += [(part.mean(0), part) for part in np.stack((ray[:-1], ray[1:]), 1)]
@@ -102,8 +109,9 @@ def star(picture: Picture) -> None:
         picture.line(points, IDEAL, 4, head=any(np.array_equal(points[1], end) for end in (ray[1], ray[-1])))
     for n, sheet in enumerate(sheets):
         picture.write(2.25 * sheet.pose.place + (0, 0.7, 0), str(n + 1), 20)
-    for start, name in ((ray[1], "in, extended"), (ray[-1], "out, parallel")):
-        end = start + 0.9 * (ray[1] - ray[0])
+    along = (ray[1] - ray[0]) / np.linalg.norm(ray[1] - ray[0])
+    for start, name, length in ((ray[1], "in, extended", 1.4), (ray[-1], "out, parallel", 0.9)):
+        end = start + length * along
         picture.line(np.array((start, end)), INK, 2, "--")
         picture.write(end - (0.78, 0, 0), name, 18)
     picture.write(ray[:2].mean(0) - (0, 0, 0.3), "in", 18)

@@ -85,14 +85,20 @@ def dove_prism_sheet(rendering: Rendering) -> Captioned:
     mirror = [(x, ray.crossing[1], z) for x, z in ((-half, -2.6), (half, -2.6), (half, 2.6), (-half, 2.6))]
     faces(ax, [mirror], "#999999", 0.35, edge=GREY)
     path(ax, [ray.crossing, ray.straight], GREY, 1.2, ":", head=True)
-    path(ax, [ray.path[0], ray.crossing, ray.mirrored], "black", 1.3, "--", head=True)
+    mirrored = np.add(ray.crossing, 0.78 * np.subtract(ray.mirrored, ray.crossing))  # the other path's head is free
+    path(ax, [ray.path[0], ray.crossing, mirrored], "black", 1.3, "--", head=True)
     path(ax, ray.path, RAY, 2.2, head=True)
     for place, number in zip(ray.path[1:4], "123", strict=True):
         write(ax, projected(place) + (-0.05, -0.28), number, fontweight="bold", fontsize=8)
     coordinate_axes(ax, (0.6, -3.3, 5.2))
-    for end, text, up in ((ray.path[-1], "real path:\ndisplaced", -0.45), (ray.mirrored, "mirrored", 0.25)):
+    for end, text, up in ((ray.path[-1], "real path:\ndisplaced", -0.45), (mirrored, "mirrored", 0.22)):
         write(ax, projected(end) + (0.15, up), text, ha="left", fontsize=8)
     write(ax, projected(ray.straight) + (0.15, 0), "without\nthe sheet", ha="left", fontsize=8)
+    left = projected((-half, 0, half_base))[0] - 0.2
+    low, high = (projected((-half, count / 2 - n, half_base))[1] for n in (2, 1))
+    ax.annotate("", (left, low), (left, high), arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0})
+    write(ax, (left - 0.15, (low + high) / 2), "pitch", ha="right", fontsize=8)
+    write(ax, projected((0, -count / 2, -half_base)) + (0.1, -0.25), "ridge", ha="left", fontsize=8)
     corner = projected((-half, ray.crossing[1], 2.6))
     write(ax, corner + (-0.1, 0.15), "mirror plane", ha="right", color=GREY, fontsize=8)
     _section(figure.add_axes((0.67, 0.0, 0.32, 1)), prism, ray)
@@ -175,6 +181,7 @@ def vary_z1(rendering: Rendering) -> Captioned:
         inset = ax.inset_axes((0.6, 0.01, 0.39, 0.39))
         _draw_frames([inset], [scene.replace(view=2 * half)], rendering)
         inset.axis("on")
+        inset.spines[:].set_visible(True)
         inset.set(xticks=[], yticks=[])
         ax.indicate_inset((-half, -half, 2 * half, 2 * half), inset, edgecolor="black", alpha=1)
         _outline(inset, scene)
