@@ -52,14 +52,19 @@ const made = () => /** @type {string | null} */ (new FormData($("question-form")
 // is done stays as it is.
 export function reveal(done = false) {
   const question = QUESTIONS[state.question];
-  const isTried = done || Object.keys(question.match ?? {}).some((name) => state[name] !== question.before[name]);
   const found = () => (question.match ? misfit(question) : String(done));
-  const given = question.goal || question.match ? (isTried ? found() : null) : made();
+  const given = question.goal || question.match ? (done || isTried(question) ? found() : null) : made();
   session.drawn = question.match || question.goal ? null : session.dashed;
   work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
   keepOwn(question);
   if (!done) glide(end(question));
 }
+
+const isTried = ({ match, before }) => Object.keys(match ?? {}).some((name) => state[name] !== before[name]);
+
+// Whether there is something to check: a choice, a number, or a setting that was changed.
+const answered = (question) => (question.match ? isTried(question) : !question.goal && Boolean(made()));
+$("question-form").addEventListener("input", refresh);
 
 // Keep the work, with the texts of a teacher's own question.
 function keepOwn({ own, name }) {
@@ -176,6 +181,7 @@ export function drawQuestion() {
     input.parentNode.classList.toggle("wrong", isChoice && !isRightOne && input.checked);
   }
   kept = null;
+  write("reveal", say(`asking.${answered(question) ? "check" : "reveal"}`));
   const said = element("p", {}, ...(shown ? answerText(question, prediction(n)) : [refused]));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
   write("drawn-answer", shown && session.drawn && !session.gliding ? compared(session.drawn) : "");

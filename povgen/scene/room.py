@@ -154,6 +154,8 @@ class Room(Scene):
         )
         table = {key: value for key, value in files.table_of(text, name).items() if key not in OF_MOVIES}
         try:
+            if not table:
+                raise InputError("states nothing; allowed: a room's tables, such as [[window]] and [[object]]")
             if (scene := table.pop("scene", cls.name)) != cls.name:
                 raise InputError(f"scene = {shown(scene)}: no room; allowed: a room's tables, or a movie of this file")
             stated = changed(files.in_folder(table, folder), values)

@@ -210,6 +210,7 @@ def test_what_is_no_room(tmp_path, file):
         ('scene = "chess"\n', "scene = 'chess': no room"),
         ("[[object]]\nx = 1", "kind: missing; allowed: box"),
         ("[eye", "not TOML"),
+        ("# nothing\n", "states nothing; allowed: a room's tables"),
     ):
         (tmp_path / "a.toml").write_text(text)
         message = refused(["frame", "a.toml", *GL], tmp_path)

@@ -103,7 +103,7 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
 
     def predict(choice):
         inputs.nth(choice).check() if isinstance(choice, int) else inputs.fill(choice)
-        page.get_by_role("button", name="Reveal").click()
+        page.locator("#reveal").click()
 
     for n, wrong, right, reason in (
         (1, 2, 0, "if the sheets turned the light clockwise. It turns by 15.0° only"),
@@ -229,3 +229,13 @@ def test_a_movie_does_not_run_on_in_a_hidden_tab(page):
       return player.part();
     }"""
     assert page.evaluate(part, "visibilitychange") < 0.2 < page.evaluate(part, None)
+
+
+def test_the_button_says_whether_it_checks_an_answer(page):
+    page.evaluate("openQuestion(0); draw()")
+    button = page.locator("#reveal")
+    expect(button).to_have_text("Reveal the answer")
+    page.locator("#prediction input").first.check()
+    expect(button).to_have_text("Check my answer")
+    page.evaluate("choose('de'); draw()")
+    expect(button).to_have_text("Meine Antwort prüfen")

@@ -220,7 +220,7 @@ def test_work_survives_the_page(browser, demo_file):
     page.locator("#measure").get_by_label("Name:").fill("Ada")
     page.evaluate("draw(); fromHash('#question=near'); draw()")
     page.get_by_role("radio", name="counter-clockwise").check()
-    page.get_by_role("button", name="Reveal").click()
+    page.locator("#reveal").click()
     page.get_by_role("button", name="Votes of the class").click()
     page.locator("#votes input").first.fill("12")
     page.evaluate("endGlide(); draw(); keepAddress()")
@@ -238,7 +238,7 @@ def test_work_survives_the_page(browser, demo_file):
     assert again("#question=near") == [2, 1, 0]  # the next class is asked anew
     assert page.evaluate("work.answers.near") == {"given": "0", "first": True, "shown": False}
     page.get_by_role("radio", name="counter-clockwise").check()
-    page.get_by_role("button", name="Reveal").click()
+    page.locator("#reveal").click()
     assert again() == [2, 1, 1]
     kept = "[state.alpha, rows[0].M, work.votes.near[0][0], $('questions').querySelector('.student').value]"
     assert page.evaluate(kept) == [66, "0,9", 12, "Ada"]  # as with the answer
@@ -246,7 +246,7 @@ def test_work_survives_the_page(browser, demo_file):
     expect(page.locator("#votes")).to_be_visible()
     page.locator("#again").click()
     page.get_by_role("radio", name="not turn").check()
-    page.get_by_role("button", name="Reveal").click()
+    page.locator("#reveal").click()
     marks = (
         "[...document.querySelectorAll('#prediction label')].map((part) => getComputedStyle(part, '::after').content)"
     )
@@ -265,11 +265,11 @@ def test_work_survives_the_page(browser, demo_file):
     page.locator("#delete-all").click()
     expect(page.locator("#tab-questions")).to_be_focused()
     expect(page.locator("#answer")).to_be_empty()
-    expect(page.get_by_role("button", name="Reveal")).to_be_visible()
+    expect(page.locator("#reveal")).to_be_visible()
     assert again() == [0, 0, 0] and page.evaluate("work.student") == ""
 
     page.evaluate("void (Storage.prototype.setItem = () => { throw Error(); })")  # as in private windows
-    page.get_by_role("button", name="Reveal").click()
+    page.locator("#reveal").click()
     expect(page.locator("#questions .kept")).to_contain_text("This browser keeps nothing")
     with page.expect_event("dialog") as asked:
         page.evaluate("setTimeout(() => location.reload())")
