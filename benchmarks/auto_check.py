@@ -30,8 +30,8 @@ from povgen.measure import speed
 from povgen.measure.opengl import OpenGLView
 from povgen.rendering import auto
 from povgen.rendering.flip import CONVERGED
+from povgen.scene.presets import PIECES
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import PIECES
 from povgen.scene.spec import MovieSpec
 
 KEPT = Path("build/auto-check")

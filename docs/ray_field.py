@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from povgen.measure.plotting import COLOURS, GREY, IDEAL, PRISMS, Axes, drawn, name_lines
 from povgen.optics import equations
 from povgen.optics.rays import Traced
+from povgen.scene.presets import Chess
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import Chess
 
 ALPHA, Z1 = 66, 2.0  # degrees, tiles
 PITCH, DISTANCE, RADIUS = 1e-3, 1.0, 5e-3  # of real prisms: their pitch, the object's distance, a circle; metres

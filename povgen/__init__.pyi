@@ -5,6 +5,7 @@ from povgen.measure.fit import fit as fit
 from povgen.measure.irradiance import irradiance as irradiance
 from povgen.measure.opengl import points as points
 from povgen.measure.part import part as part
+from povgen.measure.results import results as results
 from povgen.measure.space import draw as draw
 from povgen.objects.box import Box as Box
 from povgen.objects.card import Card as Card
@@ -18,14 +19,13 @@ from povgen.objects.window import Window as Window
 from povgen.optics.rays import Bundle as Bundle
 from povgen.record import info as info
 from povgen.rendering.auto import cheapest as cheapest
-from povgen.rendering.results import results as results
+from povgen.scene.presets import Chess as Chess
+from povgen.scene.presets import Scene as Scene
+from povgen.scene.presets import Spheres as Spheres
 from povgen.scene.pupil import best_focus as best_focus
 from povgen.scene.quantities import mtf as mtf
 from povgen.scene.room import Eye as Eye
 from povgen.scene.room import Room as Room
-from povgen.scene.scenes import Chess as Chess
-from povgen.scene.scenes import Scene as Scene
-from povgen.scene.scenes import Spheres as Spheres
 from povgen.scene.sdl import to_pov as to_pov
 from povgen.scene.sdl import to_sheets as to_sheets
 from povgen.scene.spec import MovieSpec as MovieSpec

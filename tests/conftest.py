@@ -23,7 +23,7 @@ from povgen.optics import paraxial
 from povgen.optics.prism import Prism
 from povgen.optics.trace import pair
 from povgen.page.address import KINDS
-from povgen.scene.scenes import SCENES
+from povgen.scene.presets import SCENES
 
 PROJECT = Path(__file__).parents[1]
 ALPHA_MOVIE = MovieSpec.parse(

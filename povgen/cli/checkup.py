@@ -10,7 +10,7 @@ from povgen import remedies
 from povgen.errors import InputError, PovrayError, message_of
 from povgen.files import temporary_folder
 from povgen.rendering import cache, gl_runner, povray, sandbox
-from povgen.scene.scenes import Chess
+from povgen.scene.presets import Chess
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 from povgen.video import encode

@@ -13,9 +13,9 @@ from pydantic_core import PydanticUndefined
 
 from povgen.errors import InputError
 from povgen.inputs import mesh
-from povgen.scene.model import EyeAndWindows
+from povgen.scene.eye_and_windows import EyeAndWindows
+from povgen.scene.presets import SCENES
 from povgen.scene.room import Room
-from povgen.scene.scenes import SCENES
 from povgen.settings import Print, Rendering, Sampling
 from povgen.sheets import PAPER, PARAMETERS, USED_BY
 from povgen.validation import Model

@@ -9,8 +9,8 @@ from povgen.objects.window import Window
 from povgen.progress import say
 from povgen.rendering import survey_cache
 from povgen.rendering.views import views
+from povgen.scene.presets import AxialScene, used_parameters
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.warnings import warnings
 from povgen.scene.windows import FurtherWindow
 from povgen.settings import Rendering

@@ -17,9 +17,9 @@ from povgen.rendering import auto, cache
 from povgen.rendering.estimate import describe, estimate, if_long
 from povgen.rendering.frames import drawn_by
 from povgen.rendering.views import fitted
+from povgen.scene.presets import SCENES, AxialScene, recorded
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import SCENES, AxialScene, recorded
 from povgen.settings import Rendering
 from povgen.version import __version__
 

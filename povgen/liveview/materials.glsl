@@ -39,7 +39,7 @@ Finish FloorTexture(vec3 p) {
   return Finish(mix(mean, pigment, share), {{ materials.FINISHES.floor | join(", ") }}, false);
 }
 
-// ---- frame.pov.j2; p is in the window's coordinates ----
+// ---- window_frame.pov.j2; p is in the window's coordinates ----
 Finish FrameTexture(int w, vec3 p) {
   if (!windowFramed[w]) return Finish(vec3(0), 0.0, 0.0, 0.0, 1.0, false);
   // each side's texture is that of the upper side, turned

@@ -1,5 +1,5 @@
 // What a scene shows, as the shaders draw it: its eye, windows, objects and floor, in tiles. A room's are in its values
-// (povgen/liveview/values.py). A preset's follow from its parameters, as in povgen/scene/scenes.py.
+// (povgen/liveview/values.py). A preset's follow from its parameters, as in povgen/scene/presets.py.
 
 import { radians, shape, thickness } from "./geometry.js";
 import { hasPrisms } from "./sheets.js";

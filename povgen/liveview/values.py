@@ -8,10 +8,10 @@ from povgen.inputs.fields import rgb
 from povgen.inputs.pictures import File, as_png
 from povgen.optics.opening import Opening
 from povgen.scene import shader
+from povgen.scene.presets import PEDESTAL_EDGE, AxialScene, pieces
 from povgen.scene.pupil import inverse_focus
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, pieces
 from povgen.scene.survey import max_trace_level
 from povgen.scene.white import WHITE
 from povgen.sheets.parameters import design_index

@@ -17,9 +17,9 @@ from povgen.liveview.values import values
 from povgen.record import save
 from povgen.rendering.volumes import stored, volumes
 from povgen.scene.laws import to_live
+from povgen.scene.presets import input_files, pieces
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene, checked_class, checked_scene
-from povgen.scene.scenes import input_files, pieces
 from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.shader import cards, surroundings
 from povgen.validation import Model

@@ -178,7 +178,7 @@ void meetFrame(int w, vec3 o, vec3 d, inout Hit hit) {
     if (reach.x > 0.0) hit = Hit(reach.x, WINDOW_FRAME + w, faceNormal((o + reach.x * d) / corner));
     return;
   }
-  // the cross-section's corners, from the opening's front to its back: distance from the opening, and z (templates/frame.pov.j2)
+  // the cross-section's corners, from the opening's front to its back: distance from the opening, and z (templates/window_frame.pov.j2)
   vec2 section[6] = vec2[](
     vec2(0, -back), vec2(0.6 * rim, -back), vec2(0.75 * rim, 0.25 * slant - back), vec2(rim, 0.5 * slant - back),
     vec2(rim, back), vec2(0, back));

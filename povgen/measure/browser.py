@@ -14,7 +14,7 @@ from povgen.errors import InputError
 from povgen.files import temporary_folder
 from povgen.inputs.hdr import encoded
 from povgen.liveview.view import html
-from povgen.scene.scenes import AxialScene
+from povgen.scene.presets import AxialScene
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser as Browser  # other modules may import it from here

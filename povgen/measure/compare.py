@@ -22,7 +22,7 @@ from povgen.optics.profile import confocal
 from povgen.optics.rays import Bundle, Traced
 from povgen.optics.trace import End
 from povgen.scene import camera, survey
-from povgen.scene.scenes import AxialScene
+from povgen.scene.presets import AxialScene
 
 Numbers = Sequence[float]
 SCREEN, PIXELS = 6.0, 48  # the side of the screen of `screens`, tiles and pixels

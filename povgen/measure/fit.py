@@ -15,7 +15,7 @@ from povgen.errors import InputError, input_errors, shown
 from povgen.optics.equations import Booleans, Floats, real
 from povgen.optics.profile import Profile
 from povgen.optics.values import Values
-from povgen.scene.scenes import AxialScene, checked_axial
+from povgen.scene.presets import AxialScene, checked_axial
 from povgen.scene.windows import WINDOW_NUMBER, with_numbers
 
 STEPS = 60  # of the search, at most

@@ -21,8 +21,8 @@ from povgen.optics.trace import CHUNK, End
 from povgen.optics.values import Values
 from povgen.rendering.frames import read_png
 from povgen.rendering.light import linear
+from povgen.scene.presets import AxialScene
 from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import AxialScene
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,8 +8,8 @@ from povgen.rendering import gl_runner, gl_scene
 from povgen.rendering.frames import read_png
 from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
+from povgen.scene.presets import pieces
 from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import pieces
 from povgen.settings import Rendering
 
 Size = tuple[int, int]  # width and height, pixels

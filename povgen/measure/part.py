@@ -17,8 +17,8 @@ from povgen.optics.outline import Outline
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.record import recorded_call, save, saved_with
+from povgen.scene.presets import input_files
 from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import input_files
 from povgen.sheets import SHEETS
 from povgen.sheets.layered import Layered
 from povgen.sheets.sheet import Ideal

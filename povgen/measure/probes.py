@@ -15,7 +15,7 @@ from povgen.files import temporary_folder
 from povgen.optics.prism import Prism
 from povgen.rendering import light, povray
 from povgen.rendering.parallel import thread_pool
-from povgen.scene.scenes import AxialScene, Chess
+from povgen.scene.presets import AxialScene, Chess
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 

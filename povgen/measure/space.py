@@ -16,8 +16,8 @@ from povgen.optics.opening import Opening
 from povgen.optics.rays import Traced
 from povgen.optics.trace import End
 from povgen.record import DRAWINGS, recorded_call, saved_with
+from povgen.scene.presets import input_files
 from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import input_files
 from povgen.settings import Print
 from povgen.sheets.prisms import Prisms
 from povgen.video.side import named_windows

@@ -23,7 +23,7 @@ from povgen.rendering.frames import read_png
 from povgen.rendering.light import Picture
 from povgen.rendering.parallel import cpu_seconds
 from povgen.scene import camera
-from povgen.scene.scenes import AxialScene
+from povgen.scene.presets import AxialScene
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 

@@ -18,8 +18,8 @@ from povgen.optics import equations
 from povgen.optics.trace import End
 from povgen.scene import camera
 from povgen.scene.cells import camera_cells, grid_error
-from povgen.scene.model import APERTURE, VIEW
-from povgen.scene.scenes import Chess
+from povgen.scene.eye_and_windows import APERTURE, VIEW
+from povgen.scene.presets import Chess
 from povgen.scene.survey import max_trace_level, survey
 from povgen.scene.warnings import possible_error, warnings
 from povgen.video.still import render

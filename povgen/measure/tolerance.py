@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from povgen.errors import InputError
+from povgen.measure.results import results
 from povgen.objects.sheet_fields import as_table
-from povgen.rendering.results import results
-from povgen.scene.scenes import AxialScene
+from povgen.scene.presets import AxialScene
 from povgen.sheets.prisms import ERRORS, OF_LENSES, RANDOM, PrismPair
 from povgen.validation import Model
 
@@ -82,7 +82,7 @@ def sensitivities(scene: AxialScene, workers: int | None = None, scheduler: str 
     step, a part of it is used; if it allows no part, the error stays as it is. The difference in what is seen is
     divided by the difference between the two errors. `displaced` has no sign. If a tilt can be both less and greater,
     each of the two scenes is compared with the given one: `_tilted`. `workers` and `scheduler` are as for
-    `rendering.results.results`. Raises InputError for sheets other than one pair of prisms, and for an error that can
+    `measure.results.results`. Raises InputError for sheets other than one pair of prisms, and for an error that can
     be neither less nor greater.
     """
     _check(scene)
@@ -151,7 +151,7 @@ def builds(
 ) -> Change:
     """Return the changes, without signs, from the scene to each of `made`, the result of `random_builds`: (builds,).
 
-    `workers` and `scheduler` are as for `rendering.results.results`.
+    `workers` and `scheduler` are as for `measure.results.results`.
     """
     seen = _seen([scene, *made], workers, scheduler)
     change = _change(scene, seen[:, :1], seen[:, 1:])

@@ -16,7 +16,7 @@ from povgen.measure.measured import HD, SMALL, Measured
 from povgen.measure.probes import Directions, Light, PiecePositions, Positions, Size, White
 from povgen.measure.targets import SERIES, other_targets, series_targets, targets
 from povgen.optics import series
-from povgen.scene.model import APERTURE, VIEW
+from povgen.scene.eye_and_windows import APERTURE, VIEW
 
 
 @dataclass(frozen=True)

@@ -14,15 +14,15 @@ from povgen.measure.compare import window_rays
 from povgen.measure.measured import SMALL, Measured, px
 from povgen.measure.opengl import OpenGLView
 from povgen.measure.probes import Directions, Mask, Positions, Size
+from povgen.measure.results import results
 from povgen.measure.speed import drawn_sample, picture_error, sample
 from povgen.measure.targets import NOT_FOUND, other_targets, series_targets, targets
 from povgen.measure.verify import PROFILES
 from povgen.measure.verify_rooms import SAME, SHADOW_RAYS, SKY, WINDOW_FRAME
 from povgen.rendering.flip import CONVERGED, flip, flip_evaluator
 from povgen.rendering.light import Picture
-from povgen.rendering.results import results
 from povgen.scene import camera
-from povgen.scene.scenes import AxialScene, Chess, Spheres
+from povgen.scene.presets import AxialScene, Chess, Spheres
 from povgen.scene.sdl import to_pov
 from povgen.settings import PUPIL_RAYS
 from povgen.video.still import render

@@ -15,7 +15,7 @@ from povgen.measure.probes import Size
 from povgen.measure.verify_gl import RAYS
 from povgen.measure.verify_rooms import SHADOW_RAYS
 from povgen.rendering.flip import flip
-from povgen.scene.scenes import AxialScene, Chess, Spheres
+from povgen.scene.presets import AxialScene, Chess, Spheres
 
 SIZE = (320, 240)
 SCENES: tuple[AxialScene, ...] = (

@@ -16,8 +16,8 @@ from povgen.optics.rays import Bundle
 from povgen.rendering import povray
 from povgen.rendering.frames import read_png
 from povgen.scene.polarisers import passed
+from povgen.scene.presets import Chess
 from povgen.scene.room import Room
-from povgen.scene.scenes import Chess
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 

@@ -24,8 +24,8 @@ from povgen.record import check_unasked, recorded_call, save
 from povgen.rendering.parallel import worker_count
 from povgen.rendering.volumes import Volume, stored, volumes
 from povgen.scene.laws import to_live
-from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, Chess, Spheres, input_files
-from povgen.scene.scenes import pieces as pieces_of
+from povgen.scene.presets import PEDESTAL_EDGE, AxialScene, Chess, Spheres, input_files
+from povgen.scene.presets import pieces as pieces_of
 from povgen.scene.sdl import PACKAGE, to_html
 from povgen.scene.spec import MovieSpec
 from povgen.settings import Rendering

@@ -18,7 +18,7 @@ from povgen.measure.targets import located
 from povgen.optics import equations, trace
 from povgen.optics.faces import GlassSheet
 from povgen.optics.prism import Prism
-from povgen.scene.scenes import AxialScene, Chess, Spheres
+from povgen.scene.presets import AxialScene, Chess, Spheres
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complexfloating[Any, Any]]  # of any precision, as numpy's types say of products

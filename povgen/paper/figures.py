@@ -32,12 +32,12 @@ from povgen.paper.shapes import (
 )
 from povgen.record import save
 from povgen.rendering.frames import read_png, render_all
+from povgen.scene.presets import AxialScene, Chess, Spheres
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene, Chess, Spheres
 from povgen.scene.sdl import to_caption
 from povgen.settings import AS_DRAWN, Print, Rendering
 from povgen.video import overlay
-from povgen.video.outline import outlines
+from povgen.video.piece_outline import outlines
 
 WIDTH = 7.0  # inches: two columns of a journal
 PRINT = {"font.size": 10, "axes.titleweight": "normal", "axes.titlesize": 10, "figure.dpi": 200, "savefig.dpi": 200}

@@ -34,8 +34,8 @@ from povgen.rendering.parallel import default_workers, thread_pool
 from povgen.rendering.views import check_gl, views
 from povgen.rendering.volumes import volumes
 from povgen.scene import camera
+from povgen.scene.presets import AxialScene, checked_axial, pieces
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene, checked_axial, pieces
 from povgen.scene.sdl import Mosaic, to_pov
 from povgen.scene.white import WHITE
 from povgen.settings import Options, Renderer, Rendering, SharedOptions

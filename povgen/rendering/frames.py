@@ -20,8 +20,8 @@ from povgen.rendering import cache, gl_runner, gl_scene, light, povray, survey_c
 from povgen.rendering.parallel import Runner, cores, default_workers, thread_pool
 from povgen.rendering.views import frames_of
 from povgen.rendering.volumes import volumes
+from povgen.scene.presets import pieces
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import pieces
 from povgen.scene.sdl import to_pov
 from povgen.settings import Rendering
 

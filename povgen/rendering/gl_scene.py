@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from povgen.rendering.volumes import GRID, Volume
 from povgen.scene import shader
 from povgen.scene.laws import to_live
+from povgen.scene.presets import pieces
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import pieces
 from povgen.scene.sdl import to_glsl
 from povgen.scene.survey import Survey
 

@@ -14,8 +14,8 @@ from povgen.optics.opening import Opening
 from povgen.rendering import light
 from povgen.rendering.light import Picture, linear
 from povgen.scene import polarisers, pupil, white
+from povgen.scene.presets import AxialScene
 from povgen.scene.scene import Scene, checked_class
-from povgen.scene.scenes import AxialScene
 from povgen.settings import PUPIL_RAYS, Rendering
 from povgen.sheets.lenticular import Lenticular
 from povgen.sheets.own import OwnLaw

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from povgen.optics.camera import Size
-from povgen.scene.scenes import AxialScene
+from povgen.scene.presets import AxialScene
 
 
 def rays(scene: AxialScene, size: Size) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:

@@ -8,7 +8,7 @@ import numpy as np
 from povgen.limits import MAX_CAMERA_ERROR, MAX_CELLS
 from povgen.optics import equations
 from povgen.optics.equations import Complexes, Floats
-from povgen.scene.scenes import AxialScene
+from povgen.scene.presets import AxialScene
 
 _CELLS = 16  # across the window, for the first estimate of the error
 # With the template "law" and several windows: the least number of cells across the first window. With fewer, a

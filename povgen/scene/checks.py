@@ -17,7 +17,7 @@ from povgen.optics import glasses
 from povgen.optics.equations import Floats
 from povgen.optics.prism import Prism
 from povgen.scene import white
-from povgen.scene.model import EyeAndWindows
+from povgen.scene.eye_and_windows import EyeAndWindows
 from povgen.scene.windows import FurtherWindow, has_glass
 from povgen.sheets.law_grammar import Law
 from povgen.sheets.layered import Layered

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
+from povgen.scene.presets import AxialScene
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene
 from povgen.sheets import IDEAL
 from povgen.sheets.law_grammar import FUNCTIONS, Law
 from povgen.sheets.own import OwnLaw

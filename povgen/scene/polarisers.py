@@ -11,7 +11,7 @@ import numpy as np
 from povgen.optics.equations import Floats
 from povgen.optics.rays import Bundle
 from povgen.optics.trace import End
-from povgen.scene.model import EyeAndWindows
+from povgen.scene.eye_and_windows import EyeAndWindows
 from povgen.scene.scene import Scene
 
 PLACES = 10  # rays in each pixel: n * n + 1 (docs/light.md says what is left)

@@ -14,7 +14,7 @@ from povgen.errors import input_errors, shown
 from povgen.optics import apparent, equations
 from povgen.optics.equations import Booleans, Complexes, Floats
 from povgen.optics.ghosts import Ghost, ghosts
-from povgen.scene.model import EyeAndWindows
+from povgen.scene.eye_and_windows import EyeAndWindows
 
 
 class Predicted(EyeAndWindows):

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from povgen.optics.camera import Camera
 from povgen.optics.equations import Complexes, Floats
+from povgen.scene.presets import AxialScene
 from povgen.scene.scene import Scene, checked_scene, object_images, paths
-from povgen.scene.scenes import AxialScene
 
 # Steps of numbers between 0 and 1 that fill a square evenly, however many they are: powers of the root of x^5 = x + 1
 # (Roberts, 2018). view.glsl has the same.

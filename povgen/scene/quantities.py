@@ -20,8 +20,8 @@ from povgen.optics.equations import Booleans, Complexes, Floats, real
 from povgen.optics.rays import Bundle, Convergence
 from povgen.optics.shares import Shares, shares
 from povgen.scene import pupil
+from povgen.scene.presets import AxialScene, checked_axial
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene, checked_axial
 from povgen.scene.windows import WINDOW_NUMBER
 from povgen.sheets import PARAMETERS
 from povgen.sheets.prisms import ERRORS

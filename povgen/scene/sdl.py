@@ -30,9 +30,9 @@ from povgen.objects.window import Window
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene import cells, laws, materials
+from povgen.scene.presets import PEDESTAL_EDGE, AxialScene, checked_axial
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene, checked_scene
-from povgen.scene.scenes import PEDESTAL_EDGE, AxialScene, checked_axial
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.scene.traced_rays import HOLD_OUT
 from povgen.settings import Sampling

@@ -17,9 +17,9 @@ from povgen.optics.pose import Pose
 from povgen.optics.prism import Prism
 from povgen.optics.profile import Profile
 from povgen.scene.laws import Text, to_live
+from povgen.scene.presets import AxialScene
 from povgen.scene.pupil import distance, inverse_focus
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene
 from povgen.scene.survey import Survey, max_trace_level
 from povgen.sheets.layered import Layered
 from povgen.sheets.none import NoSheet

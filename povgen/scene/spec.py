@@ -14,9 +14,9 @@ from povgen.errors import InputError, shown
 from povgen.files import own_folder
 from povgen.optics.equations import Floats
 from povgen.scene import files
+from povgen.scene.presets import SCENES, AxialScene
 from povgen.scene.room import Room, changed
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import SCENES, AxialScene
 from povgen.scene.windows import MAX_WINDOWS, FurtherWindow, as_windows, replaced_by, with_numbers
 from povgen.settings import Note, preset_of
 from povgen.validation import Model, as_pair

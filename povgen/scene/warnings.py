@@ -18,8 +18,8 @@ from povgen.optics import uncertainty
 from povgen.optics.trace import End
 from povgen.optics.window_trace import MOST_CROSSINGS
 from povgen.scene.cells import camera_cells, grid_error, is_dark, jumps
+from povgen.scene.presets import AxialScene, pieces
 from povgen.scene.scene import Scene, is_empty
-from povgen.scene.scenes import AxialScene, pieces
 from povgen.scene.survey import Survey, survey
 from povgen.settings import Rendering
 from povgen.sheets.layered import Layered

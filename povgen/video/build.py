@@ -22,8 +22,8 @@ from povgen.record import MAX_FRAMES, PICTURES, check_unasked, recorded_call, sa
 from povgen.rendering import light
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import fitted, views
+from povgen.scene.presets import input_files
 from povgen.scene.scene import Scene, checked_scenes
-from povgen.scene.scenes import input_files
 from povgen.scene.spec import FrameRate, MovieSpec, Title, spec_file
 from povgen.settings import Note, Options, Rendering, of_movie
 from povgen.validation import Model, as_flag, is_several

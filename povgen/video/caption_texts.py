@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from povgen.inputs.pieces import PIECES
 from povgen.objects.window import Window
 from povgen.optics import equations
+from povgen.scene.presets import AxialScene, used_parameters
 from povgen.scene.quantities import BEHIND, BEHIND_LAST, LATER, SECOND, SYMBOLS, unit
 from povgen.scene.scene import Scene, is_empty, object_images
-from povgen.scene.scenes import AxialScene, used_parameters
 from povgen.scene.spec import swept_numbers
 from povgen.settings import Rendering
 from povgen.sheets import PARAMETERS

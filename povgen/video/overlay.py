@@ -11,12 +11,12 @@ from PIL import Image, ImageDraw
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
+from povgen.scene.presets import AxialScene
 from povgen.scene.scene import Scene, object_images
-from povgen.scene.scenes import AxialScene
 from povgen.settings import Rendering
 from povgen.video.caption_strips import HALO, Colour, Complexes, Item, discs, strip
 from povgen.video.caption_texts import Caption, captions
-from povgen.video.outline import outlines
+from povgen.video.piece_outline import outlines
 from povgen.video.text import DARK, LEGIBLE, TEXT, text_width, write
 
 # Okabe and Ito's yellow, blue and vermilion, which colour-blind readers can distinguish

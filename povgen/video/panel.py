@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from povgen.scene.presets import AxialScene
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import AxialScene
 from povgen.settings import Rendering
 from povgen.video import overlay
 from povgen.video.caption_strips import Colour, Item, strip

@@ -15,8 +15,8 @@ from povgen.objects.scene_object import SceneObject
 from povgen.objects.sphere import Sphere
 from povgen.optics.faces import Floats
 from povgen.optics.paths import Paths
+from povgen.scene.presets import AxialScene
 from povgen.scene.scene import Scene, is_empty, paths
-from povgen.scene.scenes import AxialScene
 from povgen.video.text import LEGIBLE, MAX_TEXT, STRIP, TEXT, text_width, write
 
 MOST = 0.5  # height of the view at most, as a fraction of the picture's height

@@ -25,8 +25,8 @@ from povgen.rendering.frames import drawn_by, read_png, render_all
 from povgen.rendering.parallel import checked_scheduler, worker_count
 from povgen.rendering.views import composed, frames_of, merged, views
 from povgen.scene.files import files_in
+from povgen.scene.presets import input_files, pieces, with_seen_files
 from povgen.scene.scene import Scene, checked_scene, checked_scenes
-from povgen.scene.scenes import input_files, pieces, with_seen_files
 from povgen.settings import Options, Rendering
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import as_flag, is_several

@@ -143,11 +143,11 @@ def place(tmp_path_factory):
     global ROOT, WORK
     from povgen.cli.commands import check
     from povgen.liveview import view
-    from povgen.measure import charts, part, speed, stability, stability_map, verify, verify_gl, verify_live
+    from povgen.measure import charts, part, results, speed, stability, stability_map, verify, verify_gl, verify_live
     from povgen.measure.measured import Measured
     from povgen.page import page
     from povgen.paper import figures
-    from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray, results
+    from povgen.rendering import cluster, frames, gl_runner, gl_scene, light, povray
     from povgen.scene import quantities, spec
     from povgen.video import build, encode
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fuzz.conftest import SPEC, cases, tried_spec
 from fuzz.values import CHARACTERS, LONG, SDL, SOME, TEXTS, right
 from povgen import MovieSpec
-from povgen.scene.scenes import SCENES
+from povgen.scene.presets import SCENES
 from povgen.scene.spec import Sweep
 
 LITERALS = [

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from povgen.cli import app
 from povgen.inputs.pieces import PIECES
 from povgen.objects import OBJECTS
-from povgen.scene.scenes import SCENES
+from povgen.scene.presets import SCENES
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
 

@@ -27,7 +27,7 @@ from povgen.optics.trace import End
 from povgen.rendering import cache, frames, gl, gl_runner, gl_scene, light
 from povgen.rendering.views import check_gl
 from povgen.rendering.volumes import volumes
-from povgen.scene.scenes import pieces
+from povgen.scene.presets import pieces
 from povgen.settings import Rendering
 
 SIZE = (160, 120)

@@ -9,7 +9,7 @@ import pytest
 from povgen import Chess, InputError, Piece, Room, Spheres
 from povgen.optics import equations
 from povgen.rendering.views import views
-from povgen.scene.model import VIEW
+from povgen.scene.eye_and_windows import VIEW
 from povgen.settings import Rendering
 from povgen.video import caption_strips, caption_texts, encode, overlay, side, still
 from povgen.video.text import STRIP, TEXT, _font, _runs, text_width

@@ -15,7 +15,7 @@ from povgen.optics import equations
 from povgen.rendering import frames, povray
 from povgen.rendering.views import fitted
 from povgen.scene import camera
-from povgen.scene.model import APERTURE, VIEW
+from povgen.scene.eye_and_windows import APERTURE, VIEW
 from povgen.video import overlay, still
 
 WIDTH, HEIGHT = SIZE = 240, 180

@@ -16,7 +16,7 @@ from povgen.measure.probes import PiecePositions, decoded
 from povgen.optics import equations
 from povgen.rendering import volumes
 from povgen.scene.spec import MovieSpec
-from povgen.video import outline, overlay
+from povgen.video import overlay, piece_outline
 
 SMALL = {"size": (96, 96), "antialias": "off"}
 CUBE = "// a cube\n#declare Piece = box { <-0.3, 0, -0.3>, <0.3, 0.6, 0.3> }\n"
@@ -57,7 +57,7 @@ def test_each_piece_has_a_predicted_image():
     columns = differs(plain, predicted)
     assert columns.min() < 40 and columns.max() > 56
     turned, still = (Chess(sheet="ideal", alpha=alpha, x=[-0.6, 0.6], z1=[2, 3]) for alpha in (90, 0))
-    before, after = (outline.outlines(scene, 0.02) for scene in (still, turned))
+    before, after = (piece_outline.outlines(scene, 0.02) for scene in (still, turned))
     left = np.flatnonzero(before.real < 0)  # the first piece's points come first
     assert left.tolist() == [*range(len(left))]
     for z1, points in ((2, before[left]), (3, np.delete(before, left))):

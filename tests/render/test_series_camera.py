@@ -12,7 +12,7 @@ from povgen.measure.probes import Directions
 from povgen.optics import apparent
 from povgen.rendering import povray
 
-FRAME = "// ---- The window frame (frame.pov.j2) ----"
+FRAME = "// ---- The window frame (window_frame.pov.j2) ----"
 
 
 def windows_at_random(count, rng):

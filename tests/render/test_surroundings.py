@@ -20,7 +20,7 @@ from povgen.inputs.picture_reader import colours, exr
 from povgen.liveview.values import values as live_values
 from povgen.rendering.light import linear
 from povgen.scene import materials
-from povgen.scene.scenes import input_files
+from povgen.scene.presets import input_files
 
 SIZE = (160, 120)
 OPTIONS = {"size": SIZE, "antialias": "off"}

@@ -226,7 +226,7 @@ def test_pictures_and_results_of_many_scenes(shared, tmp_path, monkeypatch):
     options = {"size": (64, 48), "progress": False}
     with monkeypatch.context() as away:
         away.setattr("povgen.rendering.povray.Runner", None)
-        away.setattr("povgen.rendering.results._computed", None)
+        away.setattr("povgen.measure.results._computed", None)
         pictures = render(SCENES[:3], scheduler=shared.address, **options)
         table = results(SCENES, "M", "x", scheduler=shared.address, progress=False)
         swept = results(Chess(), "nu", alpha=(0, 90), scheduler=shared.address, progress=False).to_xarray()

@@ -38,9 +38,9 @@ from povgen.page import items
 from povgen.page.address import ALL_KINDS, KEPT, KINDS
 from povgen.scene import shader, survey, warnings
 from povgen.scene.laws import to_live
+from povgen.scene.presets import pieces
 from povgen.scene.quantities import QUANTITIES
 from povgen.scene.room import Eye, Room
-from povgen.scene.scenes import pieces
 from povgen.settings import Rendering
 from povgen.sheets import SHEETS
 

@@ -139,7 +139,7 @@ def test_the_ray_trace_and_the_mesh_share_no_code():
 
 
 def test_a_scene_knows_nothing_of_files():
-    for name in ("scenes", "model", "checks", "predictions"):
+    for name in ("presets", "eye_and_windows", "checks", "predictions"):
         assert not imports(MODULES[f"scene.{name}"]) & {"pathlib", "os", "povgen.files", "povgen.scene.sdl"}
 
 

@@ -14,10 +14,10 @@ import xarray
 
 from povgen import Chess, Eye, InputError, Room, Sphere, Spheres, Window, info, results, stopping
 from povgen.inputs import mesh
+from povgen.measure import results as module
 from povgen.objects import OBJECTS
 from povgen.optics import equations, series
 from povgen.rendering import parallel, survey_cache
-from povgen.rendering import results as module
 from povgen.rendering.parallel import worker_count
 from povgen.scene import survey
 from povgen.scene.quantities import unit

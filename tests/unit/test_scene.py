@@ -12,7 +12,7 @@ from povgen.errors import at_least, at_most
 from povgen.optics import apparent
 from povgen.optics.prism import Prism
 from povgen.rendering.views import views
-from povgen.scene.model import APERTURE, VIEW
+from povgen.scene.eye_and_windows import APERTURE, VIEW
 
 
 def test_eye_and_object_move_on_their_own():

@@ -8,7 +8,7 @@ from conftest import ALPHA_MOVIE, picture
 
 from povgen import Chess, InputError, MovieSpec
 from povgen.rendering.views import fitted
-from povgen.scene.scenes import SCENES
+from povgen.scene.presets import SCENES
 from povgen.scene.spec import MOVIES, Sweep, swept_numbers
 from povgen.settings import QUALITIES
 from povgen.sheets import PARAMETERS

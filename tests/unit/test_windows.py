@@ -13,7 +13,7 @@ from povgen.scene.scene import is_empty
 from povgen.scene.windows import FurtherWindow
 from povgen.settings import Rendering
 from povgen.sheets import OTHER
-from povgen.video import caption_texts, outline, overlay
+from povgen.video import caption_texts, overlay, piece_outline
 
 TWO = {"alpha": 120, "window": [{"alpha": 120, "z": 2}], "z2": 8}
 MIXED = {"sheet": "ideal", "window": ["alpha=-30,z=1.5", "alpha=70,z=3,sheet=detailed"]}
@@ -260,7 +260,7 @@ def test_the_predicted_image_of_prisms_at_infinity_has_no_outline():
         except InputError as error:
             assert "the piece appears at infinity" in str(error)
         else:
-            assert not outline.outlines(beside, 0.01).size
+            assert not piece_outline.outlines(beside, 0.01).size
 
 
 @pytest.mark.parametrize(("alpha", "second", "d", "z1", "z2"), [(120, 120, 2, 2, 2), (180, 0, 2, 2, 4)])

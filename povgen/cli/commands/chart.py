@@ -8,7 +8,7 @@ from povgen.cli import shared_options
 from povgen.cli.model_options import Command
 from povgen.progress import say
 from povgen.record import save
-from povgen.scene.scenes import Chess
+from povgen.scene.presets import Chess
 
 
 @click.command("chart", cls=Command)

@@ -11,7 +11,7 @@ from povgen.errors import InputError
 from povgen.files import checked_output
 from povgen.progress import wrote
 from povgen.record import PICTURES, check_unasked, save
-from povgen.scene.scenes import input_files
+from povgen.scene.presets import input_files
 from povgen.video.still import as_file, rendering_for
 
 

@@ -7,7 +7,7 @@ import click
 
 from povgen.cli.model_options import Command
 from povgen.record import info
-from povgen.scene.scenes import recorded
+from povgen.scene.presets import recorded
 
 
 @click.command("info", cls=Command)

@@ -9,8 +9,8 @@ from povgen.objects.placed import Placed
 from povgen.objects.window import Window
 from povgen.optics.glasses import GLASSES, index
 from povgen.progress import tell
+from povgen.scene.presets import SCENES, Chess
 from povgen.scene.room import Eye
-from povgen.scene.scenes import SCENES, Chess
 from povgen.scene.spec import MOVIES, MovieSpec
 from povgen.sheets import PARAMETERS, SHEETS
 from povgen.sheets.parameters import WAVELENGTH

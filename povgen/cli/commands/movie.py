@@ -14,8 +14,8 @@ from povgen.progress import bar, counted, tell, wrote
 from povgen.record import check_unasked
 from povgen.rendering.frames import missing, render_all, shard
 from povgen.rendering.parallel import checked_scheduler, worker_count
+from povgen.scene.presets import SCENES
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import SCENES
 from povgen.scene.spec import MOVIES, MovieSpec, spec_file
 from povgen.settings import Rendering, of_movie
 from povgen.video.build import Film, FilmOptions, Plan, check_views, film, movie_rendering, planned, sequence

@@ -16,9 +16,9 @@ from povgen.files import checked_output
 from povgen.inputs.pictures import used
 from povgen.progress import say
 from povgen.record import check_unasked, save
+from povgen.scene.presets import input_files
 from povgen.scene.room import Room
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import input_files
 from povgen.scene.sdl import to_pov, to_sheets
 from povgen.scene.white import WHITE
 from povgen.settings import Sampling

@@ -18,8 +18,8 @@ from povgen.measure import tolerance
 from povgen.progress import tell
 from povgen.record import DRAWINGS, check_unasked, saved_with
 from povgen.rendering.parallel import worker_count
+from povgen.scene.presets import checked_axial, input_files
 from povgen.scene.scene import Scene
-from povgen.scene.scenes import checked_axial, input_files
 from povgen.settings import Print
 from povgen.sheets.prisms import ERRORS
 from povgen.video.still import record_of

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from povgen.errors import InputError, shown
 from povgen.inputs.fields import as_tuple
+from povgen.measure.table import Table
 from povgen.progress import bar
 from povgen.record import recorded_call
 from povgen.rendering.parallel import checked_scheduler, computed, cores, worker_count
-from povgen.rendering.table import Table
+from povgen.scene.presets import SCENES, AxialScene
 from povgen.scene.quantities import QUANTITIES, STACKED, parameters, stacked
 from povgen.scene.scene import Scene, checked_scene, checked_scenes, classes
-from povgen.scene.scenes import SCENES, AxialScene
 from povgen.scene.windows import WINDOW_NUMBER
 from povgen.validation import as_flag, is_several
 

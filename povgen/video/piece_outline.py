@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from povgen.inputs.pieces import PieceFile
 from povgen.rendering.volumes import MOST, Volume, decoded, volumes
-from povgen.scene.scenes import AxialScene
+from povgen.scene.presets import AxialScene
 
 FINEST = 16  # points of an outline between two voxels, at most
 _measuring = Lock()

@@ -1,4 +1,4 @@
-"""The parameters that all scenes share, with units and ranges, and what follows from them for the eye and the windows.
+"""The eye and the windows of `Chess` and `Spheres`: parameters with units and ranges, and what follows from them.
 
 Lengths are in tiles (the side of a floor tile), angles in degrees. The plane z = 0 is midway between the sheets of the
 first window. Points in it are complex numbers x + iy, from this window's centre: x points right and y up, as the eye
@@ -172,7 +172,7 @@ class EyeAndWindows(Scene, ParametersOfSheets):
         """
         front, slant = -self.depth / 2, min(self.rim, self.depth)
         reach = 0.0
-        for out, z in ((0.6, front), (0.75, front + 0.25 * slant), (1, front + 0.5 * slant)):  # frame.pov.j2
+        for out, z in ((0.6, front), (0.75, front + 0.25 * slant), (1, front + 0.5 * slant)):  # window_frame.pov.j2
             scale = self.z2 / (self.z2 + z)  # from the plane z to the plane z = 0, seen from the eye
             for eye, sides in ((self.E.imag, 1), (self.E.real, shape)):
                 reach = max(reach, (scale * (self.aperture / 2 + out * self.rim) + (scale - 1) * abs(eye)) / sides)

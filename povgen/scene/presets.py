@@ -1,7 +1,8 @@
-"""Scenes: what they show, and what is computed from them. A scene never changes. Variants are copies.
+"""The presets `Chess` and `Spheres`, and what is computed from them. A scene never changes. Variants are copies.
 
-Lengths and angles are as in `povgen.scene.model`. z1 is the distance of an object from the middle plane of the last
-window.
+Here are their own parameters. Those of the eye and the windows are in `eye_and_windows`, those of all scenes (sky,
+pupil) in `scene`, the ranges of z1 and x in `povgen.inputs.fields`. z1 is the distance of an object from the middle
+plane of the last window.
 """
 
 from __future__ import annotations  # help() then says ArrayLike
