@@ -36,7 +36,7 @@ QUALITIES = {
     "high": Preset((960, 720), ("2x", (1, 0.1, 3)), frame_rate=30),
     "hd": Preset((1920, 1080), ("2x", (1, 0.1, 3)), frame_rate=30),
 }
-PUPIL_RAYS = 65  # in each pixel, from so many places in a pupil: n * n + 1 (docs/tolerances.md says what is left)
+PUPIL_RAYS = 65  # in each pixel, from so many places in a pupil: n * n + 1
 MAX_SIDES = {"povray": 7680, "gl": 16384}  # pixels, by renderer
 MAX_PIXELS = 89_000_000  # of a picture that povgen reduces; Pillow warns of more
 # how povgen reduces it, for the keys of the cache

@@ -116,15 +116,14 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
         drawing.line(corners, colour)
         eye, bend = FINER * drawing.pixels(corners[:2])
         drawing.head(bend, eye + parts[tuple(corners[0])] * (bend - eye), 3, colour)
-    for thing in things:
+    for thing in sorted(things, key=lambda thing: thing.colour != OTHER):  # a pedestal does not cover its piece
         drawing.thing(thing)
     title = ("from above" if drawing.shows.from_above else "from the side") + f", {farther} farther" * (farther > 0)
     # windows from the eye on, so that their names stand in this order, and what has no image last
     order = sorted(things, key=lambda thing: thing.colour == OTHER)
     names = {thing.name: drawing.pixels(thing.around) for thing in order}
     above = {thing.name for thing in things if thing.colour == SHEET}
-    first = {note: names[things[0].name], "eye": drawing.eye(scene)} if note else {"eye": drawing.eye(scene)}
-    return drawing.labelled(title, first | names, above)
+    return drawing.labelled([title, note], {"eye": drawing.eye(scene)} | names, above)
 
 
 class Drawing:
@@ -212,16 +211,18 @@ class Drawing:
         self.solid.append((place - way + radius * np.array([[-1, -1], [1, 1]])) / FINER)
         return self.solid[-1]
 
-    def labelled(self, title: str, names: Mapping[str, Floats], above: Collection[str]) -> NDArray[np.uint8]:
-        """Return the strip, with a title in the corner, and with names below or `above` points (n, 2), pixels.
+    def labelled(self, title: list[str], names: Mapping[str, Floats], above: Collection[str]) -> NDArray[np.uint8]:
+        """Return the strip, with the lines of `title` in its corner, and names below or `above` points (n, 2), pixels.
 
         No name is on or near lines or other names. One without a place is left out. One that covers rays from the
         eye interrupts them.
         """
         image = self.image.reduce(FINER)
         draw, edge = ImageDraw.Draw(image), max(1, round(self.size / 12))
-        write(draw, 0.3 * self.size, 0.9 * self.size, title, self.size, edge, dark=False)
-        taken = [(np.zeros(2), np.array([0.6 + text_width(title), 1.5]) * self.size)]  # lower and upper corners
+        taken = []  # lower and upper corners
+        for n, text in enumerate(filter(None, title)):
+            write(draw, 0.3 * self.size, (0.9 + 1.2 * n) * self.size, text, self.size, edge, dark=False)
+            taken.append((np.zeros(2), np.array([0.6 + text_width(text), 1.5 + 1.2 * n]) * self.size))
         solid, every = np.concatenate(self.solid), np.concatenate([*self.solid, *self.thin])
         things = {name: _along(around) for name, around in names.items()}
         for name, around in names.items():

@@ -137,7 +137,7 @@ def test_the_numbers_of_the_experiments():
     acrylic = Prism(pitch=1.0, index=1.49)
     said = [
         f"acrylic prism (n = 1.49) whose slanted ends are at 45° must be {acrylic.full_aperture:.2f} times as long",
-        f"only the lower {acrylic.least_aspect:.0%}".replace("%", " %"),
+        f"only in the lower {acrylic.least_aspect:.0%}".replace("%", " %"),
         f"the lamp at 20 cm would go {free:.1f} cm to the right",
         f"(f-number 3), most light within {np.degrees(np.arctan(1.5 / (4 * 3))):.1f}° of the perpendicular",
         f"a shift by a quarter of a ridge moves the picture by {np.degrees(np.arctan(1.5 / (4 * 3))):.1f}°",

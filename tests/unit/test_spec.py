@@ -29,7 +29,7 @@ def test_spec_values():
     assert alphas["standard"] == pytest.approx(np.arange(0, 181, 15))
     assert [len(alphas[quality]) for quality in ("draft", "standard", "high", "hd")] == [11, 13, 30, 30]
     log = [scene.z1 for scene in MovieSpec.load("vary-z1").replace(ease=False, hold=0).scenes("standard")]
-    assert len(log) == 65 and log[0] == pytest.approx(0.6) and log[64] == pytest.approx(12)
+    assert len(log) == 65 and log[0] == pytest.approx(1.2) and log[64] == pytest.approx(12)
     assert np.ptp(np.diff(np.log(log))) < 1e-12
 
 
@@ -53,7 +53,7 @@ def test_a_value_halfway_is_held_too(loop):
     for quality in QUALITIES:
         gaps = [scene.window[0].z for scene in spec.scenes(quality)]
         held = round(spec.hold * spec.rate(quality))
-        there = gaps[: gaps.index(5) + held + 1]
+        there = gaps[: gaps.index(4) + held + 1]
         assert len(gaps) == spec.count(quality) == len(there) + loop * (len(there) - 2 - 2 * held)
         assert there == sorted(there) and gaps.count(2) == (held + 1) * (1 + loop)
         assert abs(there.index(2) + held / 2 - len(there) / 2) <= 1

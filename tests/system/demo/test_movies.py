@@ -14,20 +14,20 @@ def test_presets_play_loop_stop_and_scrub(page):
     show(page, sheet="none")
     page.get_by_role("button", name="vary z₁").click()
     assert page.evaluate("[state.sheet, state.alpha, player.playing]") == ["ideal", 90, True]
-    page.wait_for_function("state.z1 > 0.7 && ($('play').click(), true)")
+    page.wait_for_function("state.z1 > 1.3 && ($('play').click(), true)")
     z1 = page.evaluate("state.z1")
-    assert 0.6 < z1 < 12
+    assert 1.2 < z1 < 12
     page.locator("#scrub").fill("500")
-    assert page.evaluate("state.z1") == pytest.approx(7.2**0.5)  # midway between 0.6 and 12 by ratio
+    assert page.evaluate("state.z1") == pytest.approx(14.4**0.5)  # midway between 1.2 and 12 by ratio
     page.evaluate("draw()")
-    expect(page.locator("#scrub-value")).to_have_text("z₁ = 2.68")
+    expect(page.locator("#scrub-value")).to_have_text("z₁ = 3.79")
     show(page, z1=20)  # it is not in the movie
     expect(page.locator("#scrub-value")).to_be_empty()
     page.get_by_role("button", name="Stop").click()
-    assert page.evaluate("[state.z1, player.playing]") == [0.6, False]
+    assert page.evaluate("[state.z1, player.playing]") == [1.2, False]
     page.evaluate("player.seek(0.99)")
     page.get_by_role("button", name="Play").click()
-    expect(page.locator("#spoken")).to_have_text("Play: z₁ from 0.6 tiles to 12 tiles")
+    expect(page.locator("#spoken")).to_have_text("Play: z₁ from 1.2 tiles to 12 tiles")
     page.wait_for_function("!player.playing")
     assert page.evaluate("state.z1") == 12
     page.get_by_label("Loop").check()
