@@ -44,10 +44,12 @@ class Picture:
         size = self.size[0] * larger, self.size[1] * larger
         return render(room, size=size, renderer="gl", quality="high")
 
-    def line(self, points: Floats, colour: str, width: float, dashes: str = "-", *, head: bool = False) -> None:
+    def line(
+        self, points: Floats, colour: str, width: float, dashes: str = "-", *, head: bool = False, zorder: float = 2
+    ) -> None:
         """Draw a line through points (n, 3), with an arrowhead at its end if `head`."""
         seen = self.seen(points)
-        self.ax.plot(*seen.T, dashes, color=colour, linewidth=width, path_effects=CASED)
+        self.ax.plot(*seen.T, dashes, color=colour, linewidth=width, path_effects=CASED, zorder=zorder)
         if head:
             look = {
                 "arrowstyle": "-|>",
@@ -82,6 +84,7 @@ def box(picture: Picture) -> None:
     )
     image = np.dstack((with_knight, 255 * (with_knight != empty).any(-1).astype(np.uint8)))
     picture.ax.imshow(image, extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()), zorder=2.5)
+    picture.line(picture.room.openings[0].edge[:2], PRISMS, 1.5, zorder=2.6)  # seen through the front, it ends there
     alone = picture.room.replace(window=(), object=picture.room.object[-2:])
     knight = (picture.render(alone, 4) != picture.render(alone.replace(object=()), 4)).any(-1)
     places = picture.room.camera.pixels(knight.shape[::-1])
@@ -89,7 +92,7 @@ def box(picture: Picture) -> None:
     picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4, zorder=3)
     picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed", zorder=3)
     picture.write(np.array((-0.55, 0.72, 0)), "the knight stands here", 18)
-    picture.write(np.array((1.0, 1.48, 0)), "image, in front of the box", 18)
+    picture.write(np.array((1.0, 1.48, 0)), "image, in front of the box:\nnear and far exchanged", 15)
     picture.line(np.array(((1.2, 1.33, 0), (1.0, 0.5, 0))), INK, 2)
     picture.write(np.array((-1.4, -1.42, -1)), "each side: α = 180°", 13)
 

@@ -16,6 +16,7 @@ from povgen.measure.plotting import (
     plain_ticks,
     save_table,
     table_rows,
+    withStroke,
 )
 from povgen.measure.speed import SIZES, Point
 from povgen.measure.tolerance import Change, percentile
@@ -88,9 +89,10 @@ def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
         best = [each for n, each in enumerate(found) if all(each[1] < before[1] for before in found[:n])]
         for x, y, sampling in found:
             if sampling in names:
-                ax.plot(x, y, look[-1], color=colour, markersize=13, zorder=3)
-                letter = ax.text(x, y, names[sampling][0][0], color="white", weight="bold", fontsize=9, zorder=4)
-                letter.set(ha="center", va="center_baseline")
+                ax.plot(x, y, look[-1], color=colour, markersize=9)
+                aside = (6, 5) if renderer == "" else (-13, -13)
+                letter = ax.annotate(names[sampling][0][0], (x, y), aside, textcoords="offset points", color=colour)
+                letter.set(weight="bold", path_effects=[withStroke(linewidth=3, foreground="white")])
         if best:
             ax.plot(*np.transpose([each[:2] for each in best]), look, color=colour, markersize=5, label=label)
     name_lines(ax)

@@ -160,6 +160,7 @@ def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
     for n, (label, names) in enumerate(groups.items()):
         points = [(x, y / x) for name, x, y in measured.rows if name in names]
         ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
+    ax.set_xlim(left=min(x for _, x, _ in measured.rows) / 2)
     if len(groups) > 1:
         ax.legend(
             fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92)
