@@ -33,8 +33,8 @@ ROUNDS = 3
 
 
 def spec(count: int) -> MovieSpec:
-    """Return the paper's first movie, through prisms, with `count` frames."""
-    return MovieSpec.load("vary-alpha").model_copy(update={"frames": count})
+    """Return the paper's first movie, through prisms, with `count` different frames."""
+    return MovieSpec.load("vary-alpha").model_copy(update={"frames": count, "hold": 0})
 
 
 @contextmanager
