@@ -93,7 +93,7 @@ def povray_cpu(quality: str) -> float:
 
 def main() -> None:
     cores = len(os.sched_getaffinity(0))
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 17
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 65
     costs = {quality: povray_cpu(quality) for quality in ("standard", "high")}
     client, encoder = (median(each) for each in zip(*(own_seconds(count, cores) for _ in range(ROUNDS)), strict=True))
     found = {f"POV-Ray, {quality}, CPU s a frame": seconds for quality, seconds in costs.items()} | {

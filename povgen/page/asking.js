@@ -53,7 +53,7 @@ const made = () => /** @type {string | null} */ (new FormData($("question-form")
 export function reveal(done = false) {
   const question = QUESTIONS[state.question];
   const found = () => (question.match ? misfit(question) : String(done));
-  const given = question.goal || question.match ? (done || isTried(question) ? found() : null) : made();
+  const given = question.goal || question.match ? (done || isTried(question) ? found() : null) : made()?.trim() || null;
   session.drawn = question.match || question.goal ? null : session.dashed;
   work.answers[question.name] = { first: given === null ? null : isRight(question, given), ...work.answers[question.name], given, shown: true };
   keepOwn(question);
@@ -237,7 +237,7 @@ $("question-form").addEventListener("submit", (event) => {
   event.preventDefault();
   if (!isAsked()) return;  // the panel shows a question that has been left, until the page is drawn
   const field = $("prediction").querySelector(".field");
-  refused = field ? refusal(QUESTIONS[state.question], field.value) : "";
+  refused = field?.value.trim() ? refusal(QUESTIONS[state.question], field.value) : "";
   if (!refused) reveal();
   drawQuestion();
   if (refused) field.focus();
@@ -337,7 +337,8 @@ $("save-answers").addEventListener("click", () => saveTable("povgen-answers.csv"
 
 const views = { before: null, after: null };  // the settings that the page shows first, and with the answer
 
-for (const [id, part] of Object.entries({ start: "before", end: "after" })) {
+const PARTS = { start: "before", end: "after" };
+for (const [id, part] of Object.entries(PARTS)) {
   $(`own-${id}`).addEventListener("click", () => {
     views[part] = settings();
     $(`own-${id}`).setAttribute("aria-pressed", true);
@@ -358,9 +359,11 @@ $("own").addEventListener("submit", (event) => {
   const lines = (id) => $(id).value.split("\n").map((line) => line.trim()).filter(Boolean);
   const texts = { ask: lines("own-text").join(" "), choices: lines("own-choices"), why: lines("own-why").join(" ") };
   const complete = texts.ask && texts.choices.length > 1 && texts.choices.length <= MOST_CHOICES;
-  $("own-message").textContent = complete ? "" : say("asking.own_missing", { most: MOST_CHOICES });
+  const lacks = Object.values(PARTS).find((part) => !views[part]);
+  $("own-message").textContent = !complete ? say("asking.own_missing", { most: MOST_CHOICES }) : lacks ? say("asking.own_help") : "";
   if (!complete) return $("own-text").focus();
-  const question = ownQuestion(texts, views.before ?? settings(), views.after ?? settings());
+  if (lacks) return $("own-start").focus();
+  const question = ownQuestion(texts, views.before, views.after);
   delete work.answers[nameOf(question)];  // the same one is asked anew
   keep();
   openOwn([...ownQuestions().filter(({ ask }) => ask !== texts.ask), question], question);

@@ -159,16 +159,14 @@ export function dashedOutline(question, drawing) {
   if (question.match) return matching(question);
   if (!drawing) return null;
   const [degrees, size] = [Number($("draw-turn").value), 2 ** Number($("draw-size").value)];
-  const found = { nu: radians(degrees), M: size * free(), free: free() };
+  const { z1, z2 } = question.before, free = equations.M(z2 / z1, 0);  // M at first without sheets
+  const found = { nu: radians(degrees), M: size * free, free };
   for (const [id, text] of Object.entries({ turn: angle(found.nu), size: brief(size) })) {
     $(`drawn-${id}`).textContent = text;
     $(`draw-${id}`).setAttribute("aria-valuetext", text);
   }
   return found;
 }
-
-// M without sheets.
-const free = () => equations.M(state.z2 / state.z1, 0);
 
 // What the picture of a question is to be like.
 export function matching({ match: { alpha, z1 }, before: { z2 } }) {

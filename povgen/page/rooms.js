@@ -28,7 +28,11 @@ let message = "";    // what is wrong with a file
 let failure = "";    // why there is no picture
 
 export const roomView = () => view;
-const now = () => withNumbers(room, session.moved);
+// In a picture narrower than 4:3 as much is seen from side to side, as in povgen's pictures.
+const now = () => {
+  const made = withNumbers(room, session.moved), { clientWidth: width, clientHeight: height } = $("rooms-area");
+  return { ...made, eye: { ...made.eye, view: made.eye.view * Math.max(1, width && (4 / 3) * (height / width)) } };
+};
 const textOf = (name) => data.rooms.examples[name] ?? unscrambled(name);
 
 // ---- Opening and closing ----
@@ -144,7 +148,11 @@ const moveEye = (from, step) => {
   for (const axis of ["x", "y", "z"]) session.moved[`eye.${axis}`] = eye[axis];
   refresh();
 };
-onArrows($("rooms-area"), (step, { shiftKey }) => room && moveEye(now(), step.map((x) => x * STEP * (shiftKey ? 5 : 1))));
+onArrows($("rooms-area"), (step, { shiftKey }) => {
+  if (!room) return;
+  moveEye(now(), step.map((x) => x * STEP * (shiftKey ? 5 : 1)));
+  $("rooms-eye").textContent = say("rooms.eye_is", { place: place(now().eye) });
+});
 onDrag($("rooms-area"), () => {
   if (!room) return undefined;
   const from = now(), tiles = from.eye.view / $("rooms-area").clientHeight;

@@ -30,7 +30,7 @@ function described(now) {
 // What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken first, and
 // alone if it was typed: then nothing has changed.
 export function heard(now) {
-  const limits = limitsMet(now), light = state.light === "ray" ? [] : [$("light-says").textContent];
+  const limits = limitsMet(now), light = state.light === "ray" || !$("light-says").checkVisibility() ? [] : [$("light-says").textContent];
   if (limits.length) return [...limits, ...(session.refusals.length || isToBeFound() ? [] : [seen(now)])];
   const points = pointsSaid(now), isMoved = points !== heardPoints;
   heardPoints = points;

@@ -1,5 +1,7 @@
 """What a class does with the page: in high contrast, with questions, with settings of its own, and with movies."""
 
+import re
+
 import numpy as np
 from conftest import sentence
 from playwright.sync_api import expect
@@ -239,3 +241,6 @@ def test_the_button_says_whether_it_checks_an_answer(page):
     expect(button).to_have_text("Check my answer")
     page.evaluate("choose('de'); draw()")
     expect(button).to_have_text("Meine Antwort prüfen")
+    page.evaluate("choose('en'); openQuestion(5); draw()")  # it asks for a number
+    button.click()
+    expect(page.locator("#answer")).to_have_text(re.compile("^6 tiles"))

@@ -1,5 +1,7 @@
 """Rooms in the teaching page: from a file, an example or a link."""
 
+import re
+
 import numpy as np
 from conftest import PROJECT
 from playwright.sync_api import expect
@@ -86,6 +88,8 @@ def test_a_room_of_a_file_is_described_printed_and_kept_in_a_link(page, tmp_path
     assert "tilted: two sheets, α = −300.5°, turned by 20.0° and tilted by 0.0°, at (1.7, 0, 0)" in said
     assert "rook (−1.7, −1, 2)" in said and '“α "povgen"”' in said
     expect(page.locator("#rooms-choice option:checked")).to_have_text("my room")
+    page.locator("#rooms-area").press("ArrowRight")
+    expect(page.locator("#rooms-eye")).to_have_text(re.compile(r"^Your eye is at \(1\.05, "))
     page.evaluate("window.print = () => { window.printed = $('rooms-printed').naturalWidth; }")
     page.locator("#rooms-print").click()
     page.wait_for_function("window.printed > 100")

@@ -197,6 +197,16 @@ def test_a_prediction_is_drawn_and_compared(page):
     expect(page.locator("#drawn-answer")).to_be_empty()  # nothing was drawn there
 
 
+def test_a_drawn_prediction_keeps_its_size(page):
+    """Also where the answer moves the object away: its size is that at first."""
+    page.evaluate("openQuestion(QUESTIONS.findIndex(({ name }) => name === 'away'))")
+    page.get_by_role("button", name="Predict by drawing").click()
+    outline = page.locator("#overlay .dashed:not(.halo)")
+    drawn = outline.get_attribute("d")
+    page.evaluate("reveal(); endGlide(); draw()")
+    assert page.evaluate("state.z1 > QUESTIONS[state.question].before.z1") and outline.get_attribute("d") == drawn
+
+
 def test_the_diagram_is_in_reach_of_a_question(page):
     page.evaluate("openQuestion(1); draw()")
     expect(page.locator("#diagram")).to_be_hidden()
@@ -243,6 +253,9 @@ def test_questions_of_ones_own_are_a_link(page):
     expect(page.locator("#own-message")).to_have_text("A question needs a text and 2 to 20 answers.")
     page.locator("#own-text").fill("Which")
     expect(page.locator("#own-message")).to_be_empty()
+    page.locator("#own-choices").fill("up\ndown")
+    page.get_by_role("button", name="Open the question").click()
+    expect(page.locator("#own-message")).to_contain_text("press Start")
     page.evaluate("change({ alpha: 10, sheet: 'ideal' }); choose('de', true)")
     page.locator("#own-start").click()
     page.evaluate("choose('en', true); draw()")
