@@ -33,10 +33,10 @@ class StabilityMap:
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
-    y, in the same unit, and y/x is drawn. For the drawing: `finding` is its title. `band` is the shaded range: on which
-    side of which value, and what happens there. `groups` are of series that are drawn as one, as their mean and
-    range: by a pattern in their names, how they are called. `dot` is the name of large dots, at the last row of each
-    series from POV-Ray's pictures. `ends` are those of the y axis. `limits` are what `limit` has found.
+    y, in the same unit: y/x is drawn, on a linear axis. For the drawing: `finding` is its title. `band` is the shaded
+    range: on which side of which value, and what happens there. `groups` are of series that are drawn as one, by mean
+    and range: by a pattern in their names, how they are called. `dot` is the name of large dots, at the last row of
+    each series from POV-Ray's pictures. `ends` are those of the y axis. `limits` are what `limit` has found.
     """
 
     name: str
@@ -120,7 +120,7 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
             subs = (1, 2, 5) if most < 30 * least else (1, 3) if most < 1000 * least else (1,)
             plain_ticks(getattr(ax, f"{name}axis"), subs)
     bottom = ends[1][0]
-    for x in [x for _, x, y in measured.rows if y == 0] if "y" in measured.log_axes and not measured.ends else ():
+    for x in [x for _, x, y in measured.rows if y == 0] if ax.get_yscale() == "log" and not measured.ends else ():
         ax.plot(x, bottom, "v", color=COLOURS[0], clip_on=False)
         others.append((f"0 at {x:g}", [(x, bottom)], COLOURS[0]))
     if measured.band:

@@ -63,7 +63,7 @@ export function reveal(done = false) {
 const isTried = ({ match, before }) => Object.keys(match ?? {}).some((name) => state[name] !== before[name]);
 
 // Whether there is something to check: a choice, a number, or a setting that was changed.
-const answered = (question) => (question.match ? isTried(question) : !question.goal && Boolean(made()));
+const answered = (question) => (question.match ? isTried(question) : !question.goal && Boolean(made()?.trim()));
 $("question-form").addEventListener("input", refresh);
 
 // Keep the work, with the texts of a teacher's own question.
@@ -342,6 +342,7 @@ for (const [id, part] of Object.entries(PARTS)) {
   $(`own-${id}`).addEventListener("click", () => {
     views[part] = settings();
     $(`own-${id}`).setAttribute("aria-pressed", true);
+    $("own-message").textContent = "";
   });
 }
 
@@ -359,10 +360,10 @@ $("own").addEventListener("submit", (event) => {
   const lines = (id) => $(id).value.split("\n").map((line) => line.trim()).filter(Boolean);
   const texts = { ask: lines("own-text").join(" "), choices: lines("own-choices"), why: lines("own-why").join(" ") };
   const complete = texts.ask && texts.choices.length > 1 && texts.choices.length <= MOST_CHOICES;
-  const lacks = Object.values(PARTS).find((part) => !views[part]);
+  const lacks = Object.keys(PARTS).find((id) => !views[PARTS[id]]);
   $("own-message").textContent = !complete ? say("asking.own_missing", { most: MOST_CHOICES }) : lacks ? say("asking.own_help") : "";
   if (!complete) return $("own-text").focus();
-  if (lacks) return $("own-start").focus();
+  if (lacks) return $(`own-${lacks}`).focus();
   const question = ownQuestion(texts, views.before, views.after);
   delete work.answers[nameOf(question)];  // the same one is asked anew
   keep();

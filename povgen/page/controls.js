@@ -4,7 +4,7 @@ import { hasPiece } from "../liveview/presets.js";
 import { openQuestion } from "./asking.js";
 import { abs, finite, minus } from "./complex.js";
 import { $, clamped, data, element, on, refresh } from "./data.js";
-import { angle, beginsNumber, brief, choose, entry, fill, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, SYMBOL, typedNumber, typedUnit, unitText, withUnit } from "./language.js";
+import { angle, beginsNumber, brief, choose, entry, fill, fixed, LANGUAGES, localised, marked, placeText, point, prismsText, quantity, readNumber, say, size, spoken, SYMBOL, typedNumber, typedUnit, unitText, withUnit } from "./language.js";
 import { appearance, moment } from "./moment.js";
 import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
@@ -225,6 +225,9 @@ export function showInputs(now) {
   $("best-focus").checked = state.focus === "best";
   const main = mainSlider();
   for (const name of Object.keys(SLIDERS)) $(`row-${name}`).classList.toggle("main", name === main);
+  // Present shows one slider, and none beside a question
+  $("alpha-now").hidden = !document.body.classList.contains("present") || !usesAlpha(state.sheet) || (!asking && main === "alpha");
+  $("alpha-now").textContent = `α = ${fixed(state.alpha, 1)}°`;
   $("play").classList.toggle("of-other", player.preset.parameter !== main);
   $("row-prisms").hidden = (now.beyond || simple) && !now.glass;
   $("beyond-choice").hidden = simple && beyond === "none";

@@ -35,7 +35,7 @@ function rewrite() {
   writeFailure();
   rewriteQuestion();
   drawRows();
-  for (const id of ["spoken", "own-message", "copied", "room-message"]) $(id).textContent = "";
+  for (const id of ["spoken", "own-message", "copied", "room-message", "rooms-eye"]) $(id).textContent = "";
 }
 
 function drawPage() {
@@ -135,7 +135,7 @@ if (isReloaded) session.lastQuestion = QUESTIONS.findIndex(({ name }) => name ==
 fromHash(location.hash);
 const opened = toHash();
 let kept = opened, keptChoice = chosen();  // the state that the address has
-for (const part of [stage, $("diagram-box"), $("space-turn")]) new ResizeObserver(refresh).observe(part);
+for (const part of [stage, $("diagram-box"), $("space-turn"), $("rooms-area")]) new ResizeObserver(refresh).observe(part);
 document.fonts?.ready.then(refresh);
 view.ready.then(() => {
   $("hint").textContent = say($("hint").dataset.say = "page.hint");

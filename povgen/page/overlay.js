@@ -8,7 +8,9 @@ import * as equations from "./equations.js";
 import { angle, brief, say } from "./language.js";
 import { apparentOutline, apparentPosition, appearance, markedPosition, moment, NEAR_POLE, unsure } from "./moment.js";
 import { outlineOf } from "./outline.js";
+import { bare } from "./phrases.js";
 import { povray } from "./player.js";
+import { found } from "./questions.js";
 import { along, awayP, branches, corner, corners, curve, dot, edge, line, step, svg, triangle, words } from "./shapes.js";
 import { session, state } from "./state.js";
 import { caption } from "./text.js";
@@ -159,13 +161,12 @@ export function dashedOutline(question, drawing) {
   if (question.match) return matching(question);
   if (!drawing) return null;
   const [degrees, size] = [Number($("draw-turn").value), 2 ** Number($("draw-size").value)];
-  const { z1, z2 } = question.before, free = equations.M(z2 / z1, 0);  // M at first without sheets
-  const found = { nu: radians(degrees), M: size * free, free };
-  for (const [id, text] of Object.entries({ turn: angle(found.nu), size: brief(size) })) {
+  const free = found(question.before, bare), drawn = { nu: radians(degrees), M: size * free, free };
+  for (const [id, text] of Object.entries({ turn: angle(drawn.nu), size: brief(size) })) {
     $(`drawn-${id}`).textContent = text;
     $(`draw-${id}`).setAttribute("aria-valuetext", text);
   }
-  return found;
+  return drawn;
 }
 
 // What the picture of a question is to be like.

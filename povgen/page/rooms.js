@@ -28,7 +28,7 @@ let message = "";    // what is wrong with a file
 let failure = "";    // why there is no picture
 
 export const roomView = () => view;
-// In a picture narrower than 4:3 as much is seen from side to side, as in povgen's pictures.
+// In a narrower picture as much is seen from side to side as in one of 4:3.
 const now = () => {
   const made = withNumbers(room, session.moved), { clientWidth: width, clientHeight: height } = $("rooms-area");
   return { ...made, eye: { ...made.eye, view: made.eye.view * Math.max(1, width && (4 / 3) * (height / width)) } };
@@ -42,6 +42,7 @@ function begin(name) {
   try {
     room = roomOf(read(name));
     [open, message] = [name, ""];
+    $("rooms-eye").textContent = "";
   } catch (error) {
     refuse(error);
     session.room = open;

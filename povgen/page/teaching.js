@@ -5,11 +5,11 @@ import { lasting, valuesOf } from "./address.js";
 import { $, data, element, on, refresh, write } from "./data.js";
 import { drawCode, page, printPicture } from "./handouts.js";
 import { inTab, keep, work } from "./kept.js";
-import { entry, fixed, marked, quantity, say, SETTINGS, SYMBOL, unbroken } from "./language.js";
+import { entry, marked, quantity, say, SETTINGS, SYMBOL, unbroken } from "./language.js";
 import { moment, otherScene } from "./moment.js";
 import { drawOther, overlayImage, view } from "./picture.js";
 import { ask, choices, found, MOMENTS, QUESTIONS } from "./questions.js";
-import { OPENING, session, START, state, usesAlpha } from "./state.js";
+import { OPENING, session, START, state } from "./state.js";
 import { isToBeFound, settingSaid } from "./text.js";
 
 const asked = (name) => QUESTIONS.find((question) => question.name === name);
@@ -53,7 +53,7 @@ const stepTo = ({ value }) => SLIDES[value < 0 && SLIDES[at] && !isShown(SLIDES[
 
 // Where Present is in the lesson: what is shown there, and which slider. The last number of a setting is what it is about.
 export function drawPlace() {
-  const presents = document.body.classList.contains("present"), slide = presents ? SLIDES[at] : undefined, shown = Boolean(slide) && isShown(slide.setting);
+  const slide = document.body.classList.contains("present") ? SLIDES[at] : undefined, shown = Boolean(slide) && isShown(slide.setting);
   const { question, sheet = OPENING.sheet } = slide?.setting ?? {};
   document.body.classList.toggle("stepping", shown);
   session.about = slide && !question && sheet === state.sheet ? Object.keys(slide.setting).findLast((name) => name in SYMBOL) ?? "" : "";
@@ -61,8 +61,6 @@ export function drawPlace() {
   $("lesson-name").style.visibility = isToBeFound() ? "hidden" : "";  // it keeps its room
   $("lesson-name").classList.toggle("changed", !shown);
   write("lesson-name", slide && !question ? slide.called() : "");
-  $("alpha-now").hidden = !presents || !usesAlpha(state.sheet) || (state.question < 0 && ["", "alpha"].includes(session.about));  // a slider says it
-  write("alpha-now", `α = ${fixed(state.alpha, 1)}°`);
   write("lesson-place", `${at < 0 ? "–" : at + 1}/${SLIDES.length}`);
   for (const button of steppers) button.disabled = !stepTo(button);
 }

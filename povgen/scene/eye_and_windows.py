@@ -33,7 +33,7 @@ Angle = Annotated[float, Field(ge=-360, le=360)] | Literal["none"]
 
 
 class EyeAndWindows(Scene, ParametersOfSheets):
-    """The eye, the windows and the sheets in them: what all scenes share. The parameters of the sheets come first."""
+    """The eye, the windows and the sheets in them: what `Chess` and `Spheres` share. Those of the sheets come first."""
 
     z2: Annotated[float, Field(gt=0, le=150)] = Field(
         default=6, description="distance from the sheets to the eye, up to 150 tiles; the default spheres move with it"

@@ -244,3 +244,12 @@ def test_the_button_says_whether_it_checks_an_answer(page):
     page.evaluate("choose('en'); openQuestion(5); draw()")  # it asks for a number
     button.click()
     expect(page.locator("#answer")).to_have_text(re.compile("^6 tiles"))
+
+
+def test_present_says_alpha_where_no_slider_does(page):
+    show(page, alpha=70, sheet="ideal")
+    page.evaluate("present(true); player.preset = data.presets.find(({ name }) => name === 'vary-z1'); draw()")
+    expect(page.locator("#alpha-now")).to_have_text("α = 70.0°")
+    expect(page.locator("#alpha-now")).to_be_visible()
+    page.evaluate("player.preset = data.presets[0]; draw()")
+    expect(page.locator("#alpha-now")).to_be_hidden()
