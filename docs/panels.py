@@ -75,7 +75,7 @@ OUTLINED = CHESS.replace(alpha=40, direct_image=True)
 DIRECT = {"without sheets": (-0.78 + 0.92j, 0.01 + 0.51j)}
 EMPTY = {"sheet": "none", "window": "sheet=none,z=2"}
 TWO = CHESS.replace(sheet="ideal", alpha=120, window="alpha=120,z=2", z2=8, eye=(0.6, 0.1))
-PUPIL_RAYS = 1025  # a pixel
+MANY_RAYS = 1025  # a pixel
 PUPIL = Chess(sheet="ideal", alpha=0, z1=3, pupil=0.3, view=3.3)
 PLACES = {"king": -3, "queen": -1.8, "bishop": -0.6, "knight": 0.6, "rook": 1.8, "pawn": 3}
 PIECES = Chess(
@@ -247,11 +247,11 @@ OTHERS: dict[str, list[Panel]] = {
     "polarised": [
         Panel(
             POLARISED,
-            "parallel: 34 % of designed light passes",
+            "polarisers parallel: 34 % of designed light",
             names={"stray light": (-0.95 + 0.5j, -0.52 + 1.1j)},
             rays=2,
         ),
-        Panel(CROSSED, "crossed: 1.5 % of it passes", rays=2),
+        Panel(CROSSED, "crossed: 1.5 % of designed light", rays=2),
         Panel(
             CROSSED,
             "crossed, shown 6 × brighter",
@@ -283,7 +283,7 @@ def panel(shown: Panel, look: Mapping[str, Any]) -> Picture:
     plain = scene.replace(predicted_image=False) if isinstance(scene, Chess) else scene
     size = shown.rays * width, shown.rays * height
     # povgen's own number of rays leaves streaks where a pupil blurs much
-    large = OpenGLView(plain).picture(size, PUPIL_RAYS) if plain.pupil else _rendered(plain, size=size, **look)
+    large = OpenGLView(plain).picture(size, MANY_RAYS) if plain.pupil else _rendered(plain, size=size, **look)
     starts = [*product(range(shown.rays), repeat=2)]
     parts = [large[row :: shown.rays, column :: shown.rays] for row, column in starts]
     picture = mixed(parts, [np.eye(3) / len(starts)] * len(starts))

@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 import povgen
 from povgen.cli.app import COMMANDS
-from povgen.cli.model_options import FieldOption
+from povgen.cli.field_options import FieldOption
 from povgen.objects import OBJECTS
 from povgen.objects.placed import Placed
 from povgen.objects.window import Window

@@ -44,6 +44,9 @@ class Picture:
         size = self.size[0] * larger, self.size[1] * larger
         return render(room, size=size, renderer="gl", quality="high")
 
+    def show(self, pixels: Floats, **look: float) -> None:
+        self.ax.imshow(pixels, extent=(*self.ax.get_xlim(), *self.ax.get_ylim()), **look)
+
     def line(
         self, points: Floats, colour: str, width: float, dashes: str = "-", *, head: bool = False, zorder: float = 2
     ) -> None:
@@ -66,24 +69,21 @@ class Picture:
         self.ax.text(*self.seen(point), text, ha="center", va="center", fontsize=size, color=INK, path_effects=CASED)
 
 
-def windows(picture: Picture) -> None:
-    """Show the room's picture, with the edges of windows that have no frame."""
-    picture.ax.imshow(picture.render(picture.room), extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()))
+def windows(picture: Picture) -> Floats:
+    """Show the room's picture, with the edges of windows that have no frame. Return it without them."""
+    pixels = picture.render(picture.room)
+    picture.show(pixels)
     for opening in picture.room.openings:
         if not opening.rim:
             picture.line(opening.edge, PRISMS, 1.5)
+    return pixels
 
 
 def box(picture: Picture) -> None:
     """Also outline the knight and its pedestal where they stand."""
-    windows(picture)
+    with_knight, empty = windows(picture), picture.render(picture.room.replace(object=picture.room.object[:1]))
     # the image stands in front of the box, and hides its edges
-    with_knight, empty = (
-        picture.render(picture.room),
-        picture.render(picture.room.replace(object=picture.room.object[:1])),
-    )
-    image = np.dstack((with_knight, 255 * (with_knight != empty).any(-1).astype(np.uint8)))
-    picture.ax.imshow(image, extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()), zorder=2.5)
+    picture.show(np.dstack((with_knight, 255 * (with_knight != empty).any(-1).astype(np.uint8))), zorder=2.5)
     picture.line(picture.room.openings[0].edge[:2], PRISMS, 1.5, zorder=2.6)  # seen through the front, it ends there
     alone = picture.room.replace(window=(), object=picture.room.object[-2:])
     knight = (picture.render(alone, 4) != picture.render(alone.replace(object=()), 4)).any(-1)
@@ -92,7 +92,7 @@ def box(picture: Picture) -> None:
     picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4, zorder=3)
     picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed", zorder=3)
     picture.write(np.array((-0.55, 0.72, 0)), "the knight stands here", 18)
-    picture.write(np.array((1.0, 1.48, 0)), "image, in front of the box:\nnear and far exchanged", 15)
+    picture.write(np.array((1.0, 1.48, 0)), "image, in front of the box:\ndepth reversed", 15)
     picture.line(np.array(((1.2, 1.33, 0), (1.0, 0.5, 0))), INK, 2)
     picture.write(np.array((-1.4, -1.42, -1)), "each side: α = 180°", 13)
 
@@ -100,7 +100,7 @@ def box(picture: Picture) -> None:
 def star(picture: Picture) -> None:
     """Draw plain sheets, and a ray that goes round once. Number the sheets in its order, and extend both its ends."""
     floor = picture.render(picture.room.replace(window=()))
-    picture.ax.imshow(floor, extent=(*picture.ax.get_xlim(), *picture.ax.get_ylim()), alpha=0.3)
+    picture.show(floor, alpha=0.3)
     found = picture.room.trace(Bundle((0.25, -1.629, -0.95), (-1, 0.455, 0)), path=True)
     ray, sheets = found.corners[:10], [picture.room.openings[n] for n in found.windows[:8]]
     parts = [(sheet.pose.place, sheet.edge) for sheet in sheets]

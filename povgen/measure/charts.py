@@ -50,7 +50,7 @@ def draw_frames(folder: Path, titles: Mapping[str, Sequence[str]] | None = None)
             axes = figure.subplots(1, 2)
             axes[0].set(ylabel="RMS error (1: white)")
             letters = "; ".join(f"{names[0][0]}: {', '.join(names)}" for names in _qualities(True).values())
-            missing = "; gl was not measured at 1.5x" * any(row[0].startswith("gl ") for row in shown)
+            missing = "; left: gl's d was not measured" * any(row[0].startswith("gl ") for row in shown)
             figure.supxlabel(
                 f"lines: samplings that no cheaper one beats; {letters} (--quality){missing}",
                 fontsize=11,

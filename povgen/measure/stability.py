@@ -40,7 +40,7 @@ MAPS = {made.name: made for made in (  # without rows
         "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
         finding="(f) Ideal camera, eye off the axis: the stated error holds within a factor of 1.2",
-        band=("right", limits.MAX_CAMERA_ERROR, f"not used: the stated error\nis at most {limits.MAX_CAMERA_ERROR} px"),
+        band=("right", limits.MAX_CAMERA_ERROR, f"not used: povgen allows\nat most {limits.MAX_CAMERA_ERROR} px"),
         groups={"": "all scenes"},
     ),
     StabilityMap(
@@ -65,7 +65,7 @@ MAPS = {made.name: made for made in (  # without rows
         band=("left", limits.MIN_GAP, "povgen refuses"),
     ),
     StabilityMap(
-        "gap-wide", "(c) air gap, wide", GAP, "designed light lost; below 0: gained (% of that at gap 10⁻⁶)", 3, "x",
+        "gap-wide", "(c) air gap, wide", GAP, "loss of designed light (% of designed light at gap 10⁻⁶)", 3, "x",
         finding=f"(c) Up to {limits.WIDE_GAP:g} of the pitch, an air gap loses little light",
         band=("right", limits.WIDE_GAP, "more is\nlost"), groups={"N": "N = 100, 1000 and 3000: mean and range"},
     ),

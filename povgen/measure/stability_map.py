@@ -34,9 +34,10 @@ class StabilityMap:
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
     y, in the same unit: y/x is drawn, on a linear axis. For the drawing: `finding` is its title. `band` is the shaded
-    range: on which side of which value, and what happens there. `groups` are of series that are drawn as one, by mean
-    and range: by a pattern in their names, how they are called. `dot` is the name of large dots, at the last row of
-    each series from POV-Ray's pictures. `ends` are those of the y axis. `limits` are what `limit` has found.
+    range: on which side of which value, and what happens there. `groups` are of series that are drawn as one, points
+    alike, lines by mean and range: by a pattern in their names, how they are called. `dot` is the name of large dots,
+    at the last row of each series from POV-Ray's pictures. `ends` are those of the y axis. `limits` are what `limit`
+    has found.
     """
 
     name: str
@@ -109,7 +110,11 @@ def draw_map(ax: Axes, measured: StabilityMap) -> None:
     for name in measured.log_axes:
         getattr(ax, f"set_{name}scale")("log", nonpositive="mask")
     ax.margins(y=0.1)
-    others = (_draw_points if measured.is_estimate else _draw_lines)(ax, measured)
+    others: list[Named] = []
+    if measured.is_estimate:
+        _draw_points(ax, measured)
+    else:
+        others = _draw_lines(ax, measured)
     if measured.ends:
         ax.set_ylim(*measured.ends)
     elif ax.get_yscale() == "linear" and min(y for *_, y in measured.rows) >= 0:
@@ -153,22 +158,19 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
     return groups
 
 
-def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
-    """Draw points: y as a multiple of its estimate x. Return what else to name."""
+def _draw_points(ax: Axes, measured: StabilityMap) -> None:
+    """Draw points: y as a multiple of its estimate x."""
     ax.set(yscale="linear", ylabel=f"{measured.y.partition(' (')[0]} / stated error")
     groups = _grouped(measured, dict.fromkeys(name for name, *_ in measured.rows))
     for n, (label, names) in enumerate(groups.items()):
         points = [(x, y / x) for name, x, y in measured.rows if name in names]
         ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
     ax.set_xlim(left=min(x for _, x, _ in measured.rows) / 2)
-    if len(groups) > 1:
-        ax.legend(
-            fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92)
-        )  # a sign beside a name would look like a point
+    if len(groups) > 1:  # a legend, as a sign beside a name would look like a point
+        ax.legend(fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92))
     for each in ax.lines:
         each.set_label("_")
     ax.axhline(1, linestyle=":", color=GREY, label="as great as stated")
-    return []
 
 
 def _draw_lines(ax: Axes, measured: StabilityMap) -> list[Named]:

@@ -63,7 +63,7 @@ export function reveal(done = false) {
 const isTried = ({ match, before }) => Object.keys(match ?? {}).some((name) => state[name] !== before[name]);
 
 // Whether there is something to check: a choice, a number, or a setting that was changed.
-const answered = (question) => (question.match ? isTried(question) : !question.goal && Boolean(made()?.trim()));
+const isToCheck = (question) => (question.match ? isTried(question) : !question.goal && Boolean(made()?.trim()));
 $("question-form").addEventListener("input", refresh);
 
 // Keep the work, with the texts of a teacher's own question.
@@ -181,7 +181,7 @@ export function drawQuestion() {
     input.parentNode.classList.toggle("wrong", isChoice && !isRightOne && input.checked);
   }
   kept = null;
-  write("reveal", say(`asking.${answered(question) ? "check" : "reveal"}`));
+  write("reveal", say(`asking.${isToCheck(question) ? "check" : "reveal"}`));
   const said = element("p", {}, ...(shown ? answerText(question, prediction(n)) : [refused]));
   if (said.textContent !== $("answer").textContent) $("answer").replaceChildren(...said.childNodes);  // a screen reader speaks it once
   write("drawn-answer", shown && session.drawn && !session.gliding ? compared(session.drawn) : "");

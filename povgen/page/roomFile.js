@@ -85,7 +85,7 @@ function stated(text) {
 // The room that a file states: its eye, its windows and its objects, with all values. Throws a Fault.
 export function roomOf(text) {
   const whole = stated(text), { scene = "room", eye = {}, window = [], object = [], ...given } = whole, count = {};
-  if (Object.keys(whole).every((name) => movies.includes(name))) notAllowed("TOML", "", "[eye], [[window]], [[object]]");
+  if (Object.keys(whole).every((name) => movies.includes(name))) fault("nothing", { allowed: "[eye], [[window]], [[object]]" });
   const others = Object.fromEntries(Object.entries(given).filter(([name]) => !movies.includes(name)));
   if (scene !== "room") notAllowed("scene", scene, "room");
   const named = (kind, made) => ({ ...made, kind, name: made.name || `${kind}${count[kind]}` });

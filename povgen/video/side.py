@@ -123,7 +123,9 @@ def side_view(scene: Scene, width: int, height: int, shows: Extent | None = None
     order = sorted(things, key=lambda thing: thing.colour == OTHER)
     names = {thing.name: drawing.pixels(thing.around) for thing in order}
     above = {thing.name for thing in things if thing.colour == SHEET}
-    return drawing.labelled([title, note], {"eye": drawing.eye(scene)} | names, above)
+    # below the title if there is place, so that it does not move in a movie, or near the first window
+    first = {note: names[things[0].name]} if note else {}
+    return drawing.labelled(title, first | {"eye": drawing.eye(scene)} | names, above, note)
 
 
 class Drawing:
@@ -211,18 +213,16 @@ class Drawing:
         self.solid.append((place - way + radius * np.array([[-1, -1], [1, 1]])) / FINER)
         return self.solid[-1]
 
-    def labelled(self, title: list[str], names: Mapping[str, Floats], above: Collection[str]) -> NDArray[np.uint8]:
-        """Return the strip, with the lines of `title` in its corner, and names below or `above` points (n, 2), pixels.
+    def labelled(self, title: str, names: Mapping[str, Floats], above: Collection[str], note: str) -> NDArray[np.uint8]:
+        """Return the strip, with `title` in its corner, and names below or `above` points (n, 2), pixels.
 
-        No name is on or near lines or other names. One without a place is left out. One that covers rays from the
-        eye interrupts them.
+        The name `note` is below the title if there is place. No name is on or near lines or other names. One without a
+        place is left out. One that covers rays from the eye interrupts them.
         """
         image = self.image.reduce(FINER)
         draw, edge = ImageDraw.Draw(image), max(1, round(self.size / 12))
-        taken = []  # lower and upper corners
-        for n, text in enumerate(filter(None, title)):
-            write(draw, 0.3 * self.size, (0.9 + 1.2 * n) * self.size, text, self.size, edge, dark=False)
-            taken.append((np.zeros(2), np.array([0.6 + text_width(text), 1.5 + 1.2 * n]) * self.size))
+        write(draw, 0.3 * self.size, 0.9 * self.size, title, self.size, edge, dark=False)
+        taken = [(np.zeros(2), np.array([0.6 + text_width(title), 1.4]) * self.size)]  # lower and upper corners
         solid, every = np.concatenate(self.solid), np.concatenate([*self.solid, *self.thin])
         things = {name: _along(around) for name, around in names.items()}
         for name, around in names.items():
@@ -233,6 +233,8 @@ class Drawing:
                 for worse, *place in places
                 for covers, unclear in product((0, COVERS), (0, UNCLEAR))
             )
+            if name == note:
+                options.insert(0, (0, 0.3 * self.size, 2.1 * self.size, self.size, 0, UNCLEAR))
             for _, left, middle, size, covers, unclear in options:
                 half = np.array([text_width(name, size), 1.2]) * size / 2
                 margin = half + (0.3 * size, 0.1 * size)

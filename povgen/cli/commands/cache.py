@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from povgen.cli.model_options import Command
+from povgen.cli.field_options import Command
 from povgen.errors import InputError, one_line
 from povgen.progress import counted, tell
 from povgen.rendering import cache

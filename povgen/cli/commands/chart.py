@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from povgen.cli import shared_options
-from povgen.cli.model_options import Command
+from povgen.cli.field_options import Command
 from povgen.progress import say
 from povgen.record import save
 from povgen.scene.presets import Chess

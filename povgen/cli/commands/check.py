@@ -3,7 +3,7 @@
 import click
 
 from povgen.cli.checkup import faults
-from povgen.cli.model_options import Command
+from povgen.cli.field_options import Command
 from povgen.progress import tell
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from povgen.cli import shared_options
-from povgen.cli.model_options import Command, fields
+from povgen.cli.field_options import Command, fields
 from povgen.errors import InputError
 from povgen.progress import wrote
 from povgen.settings import QUALITIES, Print, Rendering

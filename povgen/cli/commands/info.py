@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from povgen.cli.model_options import Command
+from povgen.cli.field_options import Command
 from povgen.record import info
 from povgen.scene.presets import recorded
 

@@ -2,7 +2,7 @@
 
 import click
 
-from povgen.cli.model_options import NAMES, Command, described
+from povgen.cli.field_options import NAMES, Command, described
 from povgen.inputs.pieces import PIECES
 from povgen.objects import OBJECTS
 from povgen.objects.placed import Placed

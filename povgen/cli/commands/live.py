@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from povgen.cli import shared_options
-from povgen.cli.model_options import Command, fields
+from povgen.cli.field_options import Command, fields
 from povgen.cli.report import warn_unused
 from povgen.files import checked_output
 from povgen.liveview.view import live

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from povgen.cli import shared_options
-from povgen.cli.model_options import Command, fields
+from povgen.cli.field_options import Command, fields
 from povgen.cli.shared_options import Values
 from povgen.errors import InputError, TransientError, one_line
 from povgen.progress import bar, counted, tell, wrote

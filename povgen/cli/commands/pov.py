@@ -9,7 +9,7 @@ from zlib import crc32
 import click
 
 from povgen.cli import shared_options
-from povgen.cli.model_options import Command, fields
+from povgen.cli.field_options import Command, fields
 from povgen.cli.report import warn
 from povgen.errors import InputError
 from povgen.files import checked_output

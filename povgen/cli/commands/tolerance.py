@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from povgen.cli import shared_options
-from povgen.cli.model_options import Command, fields
+from povgen.cli.field_options import Command, fields
 from povgen.cli.report import warn_unused
 from povgen.errors import InputError, one_line
 from povgen.files import checked_output

@@ -13,7 +13,7 @@ from rich.live import Live
 from rich.table import Table
 
 from povgen.cli import shared_options
-from povgen.cli.model_options import Command
+from povgen.cli.field_options import Command
 from povgen.errors import InputError
 from povgen.files import checked_output
 from povgen.measure.measured import Measured

@@ -132,7 +132,7 @@ def test_a_file_states_the_same_as_for_povgen(page, tmp_path):
 
 
 FAULTY = {
-    "# nothing": 'TOML = "" is not allowed; allowed: [eye], [[window]], [[object]]',
+    "# nothing": "The file states no room; allowed: [eye], [[window]], [[object]]",
     "[eye]\nz = -8\nview = \n": "line 3 is not TOML: view =",
     "[[window]]\nalpha = 400": "window1.alpha = 400 is not allowed; allowed: -360 to 360",
     "[[window]]\nname = 'w'\nsheet = 'idea'": 'window1.sheet = "idea" is not allowed; allowed: detailed, ideal',
