@@ -99,6 +99,18 @@ export function windows(scene) {
 // Extent of a window frame along z.
 export const depth = (scene) => Math.max(scene.aperture / 10, ...windows(scene).map((window) => 1.02 * thickness(window)));
 
+// Height of a picture of 4:3 that shows the first window's whole frame, at most twice the usual one: `default_view` in
+// povgen/scene/eye_and_windows.py.
+export function wholeView({ aperture, rim, eye: [x, y], z2, view }, deep) {
+  const slant = Math.min(rim, deep);
+  const reaches = [[0.6, 0], [0.75, 0.25], [1, 0.5]].map(([out, part]) => {
+    const scale = z2 / (z2 - deep / 2 + part * slant), half = scale * (aperture / 2 + out * rim);
+    return Math.max(half + (scale - 1) * Math.abs(y), (half + (scale - 1) * Math.abs(x)) * 0.75);
+  });
+  const needed = 2 * Math.max(...reaches);
+  return needed <= view ? view : Math.min(2 * view, 1.03 * needed);
+}
+
 /** Whether the object of a preset, by the preset's name, is a piece on a pedestal.
  * @returns {boolean} */
 export const hasPiece = (name) => Boolean(PRESETS[name].hasPiece);

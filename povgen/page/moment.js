@@ -2,7 +2,7 @@
 // points are [x, y] as the eye sees them.
 
 import * as geometry from "../liveview/geometry.js";
-import { depth, distances, hasPiece, radius, windows } from "../liveview/presets.js";
+import { depth, distances, hasPiece, radius, wholeView, windows } from "../liveview/presets.js";
 import { hasPrisms } from "../liveview/sheets.js";
 import { crossing, crossings, following, landing, meets, pole } from "./apparent.js";
 import { abs, arg, determinant, dot, finite, minus, plus, resolved, scaled, times, turn } from "./complex.js";
@@ -38,6 +38,7 @@ export function sceneValues() {
   }
   const back = frameDepth(values) / 2;
   values.z2 = Math.max(state.z2, leastZ2(back));
+  values.view = wholeView(values, 2 * back);
   if (!hasPiece(scene)) return { ...values, line: L };
   const foot = data.pedestals[piece];
   const z1 = Math.max(state.z1, back + foot + 0.001);

@@ -3,10 +3,10 @@
 import { radians } from "../liveview/geometry.js";
 import { hasPiece } from "../liveview/presets.js";
 import { abs, arg, finite, minus, plus, scaled, times, turn } from "./complex.js";
-import { $, data } from "./data.js";
+import { $ } from "./data.js";
 import * as equations from "./equations.js";
 import { angle, brief, say } from "./language.js";
-import { apparentOutline, apparentPosition, appearance, markedPosition, moment, NEAR_POLE, unsure } from "./moment.js";
+import { apparentOutline, apparentPosition, appearance, markedPosition, moment, NEAR_POLE, sceneValues, unsure } from "./moment.js";
 import { outlineOf } from "./outline.js";
 import { bare } from "./phrases.js";
 import { povray } from "./player.js";
@@ -19,7 +19,7 @@ export const overlay = $("overlay");
 export const stage = $("stage");
 
 // From tiles of the plane z = 0 to pixels of the stage, from its centre.
-export const tilePixels = () => stage.clientHeight / data.scenes.chess.view;
+export const tilePixels = () => stage.clientHeight / sceneValues().view;
 export const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
 
 export function drawOverlay(now) {

@@ -20,7 +20,7 @@ class Refraction(Ideal):
     does = "multiplies the sine of light's angle by the ratio, and turns light by alpha"
     source = "Sundar, Hamilton and Courtial, Opt. Lett. 34, 374 (2009)"
     parameters = (
-        of(ALPHA, said=Said("ratio of indices = {ratio}, light turned by {}")),
+        of(ALPHA, said=Said("index behind/in front = {ratio}, light turned by {}")),
         of(RATIO, "ratio of refractive indices, the object's side over the eye's, 0.1 to 10", Said("n₁/n₂ = {}")),
     )
     opening = {"alpha": 40, "ratio": 0.7}

@@ -37,6 +37,7 @@ from povgen.optics.trace import End
 from povgen.page import items
 from povgen.page.address import ALL_KINDS, KEPT, KINDS
 from povgen.scene import shader, survey, warnings
+from povgen.scene.eye_and_windows import VIEW
 from povgen.scene.laws import to_live
 from povgen.scene.presets import pieces
 from povgen.scene.quantities import QUANTITIES
@@ -123,6 +124,17 @@ def test_rays_end_where_those_of_python_end(page, values):
     assert np.linalg.norm(last - wanted.position, axis=-1)[framed].max() < 1e-6
     ways = [np.array(ray["points"]) for ray in found if ray["frame"] == "wall"]
     assert all(abs(way[:, :2]).max() < scene.aperture / 2 + 1e-9 for way in ways)  # none is behind the wall
+
+
+def test_the_whole_frame_is_shown_as_in_povgens_pictures(page):
+    """Also where the frame is deep, and where the eye is near it or beside it. The page shows twice VIEW at most."""
+    for values in ({}, {"prisms": 12}, {"prisms": 8, "E": [3, 0.5]}, {"prisms": 8, "E": [0, 3]}, {"z2": 0.8}):
+        page.evaluate("(values) => { fromHash(''); change(values); }", {"sheet": "detailed"} | values)
+        shown = scene_of(page)
+        usual = shown.model_copy(update={"view": VIEW}).default_view()
+        assert shown.view == pytest.approx(usual) and (shown.view > VIEW) == bool(values), values
+    page.evaluate("change", {"z2": 0.2, "prisms": 100})
+    assert scene_of(page).view == 2 * VIEW
 
 
 def test_the_light_in_the_window_is_that_of_results(page):

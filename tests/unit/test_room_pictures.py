@@ -45,7 +45,7 @@ def test_a_caption_says_what_stands_there():
         ],
         "2 windows: ideal α = -30°": [Window(alpha=-30, x=x) for x in (0, 4)],
         "6 windows": [Window(alpha=x, x=4 * x) for x in range(6)],
-        "1 window: refraction ratio of indices = 0.7, light turned by 20°": [
+        "1 window: refraction index behind/in front = 0.7, light turned by 20°": [
             Window(sheet="refraction", ratio=0.7, alpha=20)
         ],
     }
