@@ -103,9 +103,11 @@ export function bundle(now, count = 5) {
   if (state.light === "eye") return places.map((to) => between(eye, [...to, 0]));
   if (state.light === "aim") return [between(eye, [...state.W, 0])];
   if (!finite(place) || place.some((x) => Math.abs(x) > half)) return [];
-  // of the rays close to the predicted one, the first that takes the designed path through the prisms
-  const near = [0, 1, -1, 2, -2, 3, -3].map((k) => between(eye, [...plus(place, [(k * pitch) / 5, (k * pitch) / 5]), 0]));
-  return [near.find(({ kind }) => kind === "designed") ?? near[0]];
+  // through prisms, of the rays close to the predicted one, the one on the designed path that comes closest to the object
+  const beside = pitch ? [0, 1, -1, 2, -2, 3, -3, 4, -4].map((k) => (k * pitch) / 7) : [0];
+  const near = beside.flatMap((x) => beside.map((y) => between(eye, [...plus(place, [x, y]), 0])));
+  const miss = (ray) => (ray.kind === "designed" ? abs(minus(at(ray, object[2]), object)) : Infinity);
+  return [near.reduce((best, ray) => (miss(ray) < miss(best) ? ray : best))];
 }
 
 const RATIO = 0.06;  // rays meet if their bundle is narrower than at the window by this factor

@@ -137,6 +137,14 @@ def test_the_whole_frame_is_shown_as_in_povgens_pictures(page):
     assert scene_of(page).view == 2 * VIEW
 
 
+def test_the_ray_to_the_eye_starts_at_the_object(page):
+    """Its path, extended, passes the object at a distance of at most a fifth of the pitch."""
+    miss = "() => { const now = moment(); return minus(at(bundle(now)[0], now.z1), [...now.L, now.z1]); }"
+    for prisms in (12, 20, 100):
+        page.evaluate("change", {"sheet": "detailed", "prisms": prisms})
+        assert np.linalg.norm(page.evaluate(miss)) < 0.2 * 3 / prisms
+
+
 def test_the_light_in_the_window_is_that_of_results(page):
     """To two points, with rounding to one. Without prisms, there are no shares to say."""
     for values in (
