@@ -14,17 +14,12 @@ import { isEmpty, kinds, RANGES, session, state, usesAlpha } from "./state.js";
 // Whether a class is to find what is seen: a question is asked, or it is to be measured.
 export const isToBeFound = () => isAsked() || (session.measuring && state.question < 0 && !session.answered);
 
-// What is seen, in a sentence or two.
+// What is seen, in a sentence or two. A challenge is to find a setting: what is seen there is no secret.
 export function explanation(now) {
-  const asked = isAsked() ? [say(QUESTIONS[state.question].goal ? "seen.challenge" : "seen.asked")] : [];
+  const question = QUESTIONS[state.question], asked = isAsked() ? [question.goal ? seen(now) : say("seen.asked")] : [];
   if (isToBeFound()) return [...asked, ...limitsMet(now)].join(" ");
-  const first = QUESTIONS[state.question]?.says?.(now);
+  const first = question?.says?.(now);
   return [...(first ? [first] : []), seen(now), ...remarks(now)].join(" ");
-}
-
-// The same for those who do not see the picture: of a challenge, what the picture shows.
-function described(now) {
-  return isAsked() && QUESTIONS[state.question].goal ? [seen(now), ...limitsMet(now)].join(" ") : explanation(now);
 }
 
 // What a screen reader speaks after a change, of these sentences those that are new. That a value was not allowed is spoken first, and
@@ -34,7 +29,7 @@ export function heard(now) {
   if (limits.length) return [...limits, ...(session.refusals.length || isToBeFound() ? [] : [seen(now)])];
   const points = pointsSaid(now), isMoved = points !== heardPoints;
   heardPoints = points;
-  return [...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), described(now), points, ...(isMoved ? appears(now) : []), ...light];
+  return [...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), explanation(now), points, ...(isMoved ? appears(now) : []), ...light];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });
@@ -108,7 +103,7 @@ function blurSaid(now) {
 // The description of the picture for those who do not see it.
 export function describe(now) {
   const far = mountains(now);
-  return [settingSaid(now), pointsSaid(now), ...appears(now), ...far, ...(far.length ? [say("describe.reason")] : []), described(now)].join(" ");
+  return [settingSaid(now), pointsSaid(now), ...appears(now), ...far, ...(far.length ? [say("describe.reason")] : []), explanation(now)].join(" ");
 }
 
 // What is seen through what, and the numbers of the setting: nothing of what it looks like.
