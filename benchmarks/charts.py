@@ -181,7 +181,7 @@ def draw_prisms(rows: list[list[str]], folder: Path) -> None:
     with drawn(11, 5, folder / "prisms.png", folder / "prisms.svg") as figure:
         left, right = figure.subplots(1, 2)
         left.set(title="The error is proportional to 1/N", ylabel="distance from the ideal image (px of 1280x960)")
-        right.set(title="From 25 to 3000 prisms, the cost rises by half", ylabel="CPU seconds for a frame of 640x480")
+        right.set(title="From 25 to 3000 prisms, the cost rises by 40 %", ylabel="CPU seconds for a frame of 640x480")
         left.set(yscale="log", ylim=(0.03, 20))
         plain_ticks(left.yaxis, (1,))
         for ax, column in ((left, 3), (right, 2)):
@@ -202,12 +202,12 @@ def draw_prisms(rows: list[list[str]], folder: Path) -> None:
 def draw_beyond(rows: list[list[str]], folder: Path) -> None:
     kinds = {"ideal": "ideal sheets", "detailed": "prisms"}
     names = [
-        f"{row[1]} window{'s' * (row[1] > '1')}, {kinds[row[0]]}" if row[0] in kinds else fill(OTHER[row[1]].title, 26)
+        f"{row[1]} window{'s' * (row[1] > '1')}, {kinds[row[0]]}" if row[0] in kinds else fill(OTHER[row[1]].title, 27)
         for row in rows
     ]
-    with drawn(11, 5.4, folder / "beyond.png", folder / "beyond.svg") as figure:
+    with drawn(11, 9, folder / "beyond.png", folder / "beyond.svg") as figure:
         left, right = figure.subplots(1, 2, sharey=True)
-        left.set(title="Three windows cost over twice as much as one", xlabel="CPU seconds for a frame of 640x480")
+        left.set(title="Three windows cost twice as much as one", xlabel="CPU seconds for a frame of 640x480")
         right.set(title="Only prisms of finite size shift the image")
         right.set(xlabel="distance from the exact position (px of 1280x960)")
         left.invert_yaxis()
@@ -228,7 +228,7 @@ def draw_workers(rows: list[list[str]], folder: Path) -> None:
         ax = figure.subplots()
         ax.plot(count, wall, "o-", color=PRISMS, label="measured")
         ax.plot(count, wall * busy, ":", color=GREY, label="if no core were idle")
-        ax.set_title("16 POV-Ray processes on two cores are three times as fast as one")
+        ax.set_title("16 POV-Ray processes on two cores are 3.5 times as fast as one")
         ax.annotate("povgen starts 16", (16, wall[-1]), (0, 12), ha="right", textcoords="offset points", color=PRISMS)
         ax.set_xscale("log", base=2)
         ax.set_xticks(count, [f"{each:g}" for each in count])
