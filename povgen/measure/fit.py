@@ -16,7 +16,7 @@ from povgen.optics.equations import Booleans, Floats, real
 from povgen.optics.profile import Profile
 from povgen.optics.values import Values
 from povgen.scene.presets import AxialScene, checked_axial
-from povgen.scene.windows import WINDOW_NUMBER, with_numbers
+from povgen.scene.windows import WINDOW_NUMBER
 
 STEPS = 60  # of the search, at most
 EDGE = 1e-3  # of a parameter, in the same unit: so near it is at an edge
@@ -28,7 +28,6 @@ TINY = 1e-9  # tiles: a parameter that changes predictions by less, and a change
 POOR = 0.05  # the part of the marked points' variance that is more than noise, where this is not stated
 SAME = 1e-4  # singular values below this part of the greatest one count as 0
 Off = Callable[[Floats], Floats]  # from parameters to the residuals: predicted minus marked coordinates
-PARTS = {"eye_x": ("eye", 0), "eye_y": ("eye", 1), "look_x": ("look", 0), "look_y": ("look", 1)}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -240,30 +239,20 @@ def _sides(off: Off, values: Floats, reach: float) -> Iterator[tuple[float, list
 
 def _value(scene: AxialScene, name: str) -> float:
     """Return a number of the scene: where the search starts. Raises InputError."""
-    field, part = PARTS.get(name, (name, None))
-    value: Any = getattr(scene, field) if field in {"z1", *_Windows.model_fields} else None
+    field, place = scene.component(name) or (name, None)
+    value: Any = getattr(scene, field) if name == "z1" or field in _Windows.model_fields else None
     if (match := WINDOW_NUMBER.fullmatch(name)) and (number := int(match[1])) <= len(scene.sheets):
         field = match[2]
         value = {**scene.sheets[number - 1].values, "z": scene.places[number - 1]}.get(field)
-    value = value if part is None else value[part]
+    value = value if place is None or value is None else value[place]
     fields = type(scene).model_fields
     whole = field in fields and fields[field].annotation is int
     if whole or isinstance(value, bool) or not isinstance(value, (int, float)):
-        allowed = f"alpha, z1, z2, {', '.join(PARTS)}, ..., or, of a further window, such as window2_alpha"
+        allowed = "alpha, z1, z2, eye_x, look_y, ..., or, of a further window, such as window2_alpha"
         raise InputError(f"free = {shown(name)}: no number of eye and windows, or a whole one; allowed: {allowed}")
     return float(value)
 
 
 def _with(scene: AxialScene, values: Mapping[str, float]) -> AxialScene:
     """Return the scene with other numbers. Its picture's height stays."""
-    changes: dict[str, Any] = {"view": scene.view}
-    if windows := {name: value for name, value in values.items() if WINDOW_NUMBER.fullmatch(name)}:
-        changes["window"] = with_numbers(scene.window, windows)
-    for name, value in values.items():
-        if name in windows:
-            continue
-        field, part = PARTS.get(name, (name, None))
-        given = changes.get(field, getattr(scene, field))
-        changes[field] = value if part is None else (*given[:part], value, *given[part + 1 :])
-    changed: AxialScene = scene.replace(**changes)
-    return changed
+    return scene.replace(view=scene.view).with_numbers(values)

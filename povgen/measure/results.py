@@ -20,7 +20,6 @@ from povgen.rendering.parallel import checked_scheduler, computed, cores, worker
 from povgen.scene.presets import SCENES, AxialScene
 from povgen.scene.quantities import QUANTITIES, STACKED, parameters, stacked
 from povgen.scene.scene import Scene, checked_scene, checked_scenes, classes
-from povgen.scene.windows import WINDOW_NUMBER
 from povgen.validation import as_flag, is_several
 
 PATIENCE = 0.5  # seconds after which other processes are started, which takes about as long
@@ -114,11 +113,8 @@ def _checked(scene: object, quantities: Sequence[str]) -> Scene:
 
 
 def _with(scene: Scene, values: dict[str, Any]) -> Scene:
-    """Return a copy with these values.
-
-    Numbers of a room's things have names such as left.alpha, those of a preset's further windows such as window2_alpha.
-    """
-    inside = {name: x for name, x in values.items() if (scene.parts and "." in name) or WINDOW_NUMBER.fullmatch(name)}
+    """Return a copy with these values. Numbers of a room's things have names such as left.alpha."""
+    inside = {name: x for name, x in values.items() if "." in name or isinstance(scene, AxialScene)}
     made = scene.replace(**{name: value for name, value in values.items() if name not in inside})
     return made.with_numbers(inside) if inside else made
 

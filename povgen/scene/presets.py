@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from math import hypot
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
 
 from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
@@ -44,7 +44,7 @@ from povgen.scene.scene import SCENES as SCENES
 from povgen.scene.scene import Scene as Scene
 from povgen.scene.scene import checked_scene, classes
 from povgen.scene.scene import recorded as recorded
-from povgen.scene.windows import with_numbers
+from povgen.scene.windows import WINDOW_NUMBER, with_numbers
 from povgen.sheets import SHEETS
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import Model, as_flag
@@ -80,8 +80,25 @@ class AxialScene(Predicted):
         """Every chess piece."""
         return ()
 
-    def with_numbers(self, values: Mapping[str, float]) -> Self:
-        return self.replace(window=with_numbers(self.window, values))
+    def component(self, name: str) -> tuple[str, int] | None:
+        """Return the field and the place in it of a number in a list, such as ("eye", 1) for eye_y, or None."""
+        field, _, which = name.rpartition("_")
+        place = {"x": 0, "y": 1, "z": 2}.get(which, int(which) - 1 if which.isdecimal() else -1)
+        point = getattr(self, field) if field in type(self).model_fields else None
+        return (field, place) if isinstance(point, tuple) and 0 <= place < len(point) else None
+
+    def with_numbers(self, values: Mapping[str, Any]) -> Self:
+        changes: dict[str, Any] = {}
+        windows = {name: value for name, value in values.items() if WINDOW_NUMBER.fullmatch(name)}
+        for name, value in values.items():
+            if component := self.component(name):
+                field, place = component
+                point = changes.get(field, getattr(self, field))
+                changes[field] = (*point[:place], value, *point[place + 1 :])
+            elif name not in windows:
+                changes[name] = value
+        made = self.replace(**changes)
+        return made.replace(window=with_numbers(made.window, windows)) if windows else made
 
     @property
     def distances(self) -> tuple[float, ...]:

@@ -385,6 +385,8 @@ def _stated(scene: Scene, names: Collection[str] | None) -> Iterator[tuple[str, 
     for name in names or ():
         if isinstance(scene, AxialScene) and (match := WINDOW_NUMBER.fullmatch(name)):
             yield name, getattr(scene.window[int(match[1]) - 2], match[2])
+        elif isinstance(scene, AxialScene) and (component := scene.component(name)):
+            yield name, getattr(scene, component[0])[component[1]]
     for name, value in scene.model_dump(include=None if names is None else {*names}, exclude=inside).items():
         if name == "window":
             yield from ((f"window{number}", window) for number, window in enumerate(value, 2))

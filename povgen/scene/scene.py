@@ -121,7 +121,8 @@ class Scene(Model):
     def with_numbers(self, values: Mapping[str, float]) -> Self:
         """Return a copy with other numbers of its `parts`, as {"left.alpha": 90, "eye.x": 1}. Raises InputError.
 
-        For a preset, the values are those of windows behind the first one, as {"window2_alpha": 90}.
+        A preset takes values of its fields, of their components and of windows behind the first one, as {"alpha": 90,
+        "eye_x": 1, "window2_alpha": 90}.
         """
         raise NotImplementedError
 

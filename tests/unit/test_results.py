@@ -198,6 +198,11 @@ def test_lists_of_values():
     assert (
         table["eye_x"].tolist() == [0, 1, 1] * 2 and (table["nu"][:3] == results(scene, "nu", alpha=[30])["nu"]).all()
     )
+    two = scene.replace(z1=[2, 3], window="alpha=30,z=1")
+    parts = results(two, "nu", eye_x=[0.5], z1_2=(4, 5), window2_alpha=[40])  # the names of columns
+    whole = results(scene.replace(window="alpha=40,z=1"), "nu", eye=[(0.5, 0)], z1=[(2, 4), (2, 5)])
+    assert list(parts) == ["eye_x", "z1_2", "window2_alpha", "nu"] and parts["z1_2"].tolist() == [4, 5]
+    assert parts["nu"].tolist() == whole["nu"].tolist()
     spheres = results(Spheres(sheet="ideal"), "x", z2=(4, 5))  # which move with the eye
     assert spheres["x"].tolist() == [results(Spheres(sheet="ideal", z2=z2), "x")["x"][0] for z2 in (4, 5)]
     assert list(results(scene, "x", x=(0, 0.5), z1=[3])) == ["z1", "scene_x", "x"]
