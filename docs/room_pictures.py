@@ -92,8 +92,10 @@ def box(picture: Picture) -> None:
     picture.ax.contour(x, y, knight, [0.5], colors=INK, linewidths=4, zorder=3)
     picture.ax.contour(x, y, knight, [0.5], colors="white", linewidths=2.5, linestyles="dashed", zorder=3)
     picture.write(np.array((-0.55, 0.72, 0)), "the knight stands here", 18)
-    picture.write(np.array((1.0, 1.48, 0)), "image, in front of the box:\ndepth reversed", 15)
+    picture.write(np.array((1.0, 1.48, 0)), "its image, in front of the box", 15)
     picture.line(np.array(((1.2, 1.33, 0), (1.0, 0.5, 0))), INK, 2)
+    picture.write(np.array((0.44, -1.95, -1)), "near and far exchanged: the pedestal looks hollow", 13)
+    picture.line(np.array(((0.75, -1.82, -1), (0.62, -1.5, -1))), INK, 2)
     picture.write(np.array((-1.4, -1.42, -1)), "each side: α = 180°", 13)
 
 
