@@ -71,7 +71,7 @@ def test_edges_of_a_profile_are_no_black_tops():
 def test_the_docs_state_the_light_by_reflections_of_the_default_scene():
     rays = found(partial=np.random.default_rng(2), most=250)
     white = rays.end <= End.BACK
-    (stated,) = re.findall(r"(\d+) % of its light comes by partial reflections", words_of("beyond.md"))
+    (stated,) = re.findall(r"(\d+) % of it by partial reflections", words_of("beyond.md"))
     assert 100 * rays.reflected[white].mean() == pytest.approx(int(stated), abs=1.5)
     (bright,) = re.findall(r"frameless window has ([\d.]+) of the surroundings' brightness", words_of("beyond.md"))
     assert white.mean() == pytest.approx(float(bright), abs=0.01)
