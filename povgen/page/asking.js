@@ -289,6 +289,7 @@ function drawVotes(question) {
   };
   const rows = offers.map((choice, k) => {
     const field = element("input", { type: "number", min: 0, max: 999, value: given[k], className: "field", ariaLabel: say("asking.votes_for", { choice }) });
+    field.addEventListener("focus", () => field.select());  // what is typed replaces the 0
     field.addEventListener("input", () => {
       given[k] = Math.max(0, Math.round(Number(field.value)) || 0);
       show();
@@ -361,9 +362,13 @@ $("own").addEventListener("submit", (event) => {
   const texts = { ask: lines("own-text").join(" "), choices: lines("own-choices"), why: lines("own-why").join(" ") };
   const complete = texts.ask && texts.choices.length > 1 && texts.choices.length <= MOST_CHOICES;
   const lacks = Object.keys(PARTS).find((id) => !views[PARTS[id]]);
-  $("own-message").textContent = !complete ? say("asking.own_missing", { most: MOST_CHOICES }) : lacks ? say("asking.own_help") : "";
-  if (!complete) return $("own-text").focus();
-  if (lacks) return $(`own-${lacks}`).focus();
+  if (!complete || lacks) {
+    $(complete ? `own-${lacks}` : "own-text").focus();
+    $("own-message").textContent = complete ? say("asking.own_help") : say("asking.own_missing", { most: MOST_CHOICES });
+    $("own-message").scrollIntoView({ block: "nearest" });
+    return;
+  }
+  $("own-message").textContent = "";
   const question = ownQuestion(texts, views.before, views.after);
   delete work.answers[nameOf(question)];  // the same one is asked anew
   keep();

@@ -69,12 +69,13 @@ export function drawMeasure(now) {
   const [A, B, C] = [points.A, points.B, points.C].map(onStage), { angle: found, AB, AC } = measured();
   const radius = Math.min(0.5 * abs(minus(B, A)), 0.5 * abs(minus(C, A)), 0.6 * tilePixels()), start = heading(A, B);
   const { clientWidth: width, clientHeight: all } = $("stage"), rem = Math.max(12, all / 36);
+  const away = heading(A, C) + (found < 0 ? -1 : 1) * (Math.PI / 2);  // from the angle
   $("tool").setAttribute("viewBox", `${-width / 2} ${-all / 2} ${width} ${all}`);
   $("tool").style.fontSize = `${rem}px`;
   $("tool").replaceChildren(
     ...[B, C].flatMap((end) => [line("halo", A, end), line("arm", A, end)]), ...ticks(points.A, points.C), arc("halo", A, radius, start, found), arc("arm", A, radius, start, found),
     // numbers of other settings, or of points that nobody has placed, would be taken for what is seen
-    ...(placed !== present() ? [] : [words("reading", step(A, start + found / 2, 1.35 * radius), angle(found)), words("reading", step(scaled(0.5, plus(A, C)), -Math.PI / 2, 1.2 * rem), tilesText(AC))]),
+    ...(placed !== present() ? [] : [words("reading", step(A, start + found / 2, 1.35 * radius), angle(found)), words("reading", step(scaled(0.5, plus(A, C)), away, (1.2 + 2 * Math.abs(Math.cos(away))) * rem), tilesText(AC))]),
     ...Object.keys(points).flatMap((name, n) => [dot("end", [A, B, C][n], 5), words("reading", step([A, B, C][n], n ? Math.PI / 2 : -Math.PI / 2, rem), name)]),
   );
   for (const [name, place] of Object.entries(points)) {

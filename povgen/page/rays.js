@@ -95,7 +95,7 @@ export function bundle(now, count = 5) {
   const { L, E, z1, z2, windows, scene, place } = now, half = scene.aperture / 2;
   const eye = [...E, -z2], object = [...L, windows.at(-1).z + z1];
   const between = (from, to) => traced(now, from, to.map((x, k) => x - from[k]));
-  const pitch = now.glass ? now.prism.pitch : 0;
+  const pitch = now.glass ? now.prism.pitch : now.lenses ? scene.aperture / scene.lenses : 0;
   const grid = Array.from({ length: count }, (_, k) => (1.76 * k) / (count - 1) - 0.88);
   const places = grid.flatMap((x) => grid.map((y) => [x * half, y * half]))
     .map((place, n) => plus(place, STEPS.map((step) => pitch * (((0.5 + n * step) % 1) - 0.5))));

@@ -247,7 +247,7 @@ function says(now, rays, image, field) {
   const paths = [], missed = rays.filter(({ kind, frame, points }) => kind === "beside" || (frame === "rim" && points.length > 2)).length;
   if (now.glass && rays.length > 1) paths.push(say("light.paths", { designed: count("designed"), stray: count("stray"), lost: count("back") + count("lost") + count("beside") }));
   else if (missed) paths.push(say("light.beside", { count: missed, number: missed }));
-  if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say("light.ray_sheets")])].join(" ");
+  if (state.light === "ray") return !rays.length ? say("light.no_ray") : [say("light.ray"), ...(now.sheet === "none" ? [] : [say(now.glass || now.lenses ? "light.ray_prisms" : "light.ray_sheets")])].join(" ");
   if (field) {
     const loop = say(Math.abs(field.gap) > 0.005 ? "light.field" : "light.field_closed", { gap: tilesText(Math.abs(field.gap)) });
     return field.rays.length < FIELD_RAYS ? `${loop} ${say("light.through_window")}` : loop;

@@ -156,14 +156,22 @@ function lead(button) {
   location.hash = hashOf(setting);
 }
 for (const button of steppers) button.addEventListener("click", () => lead(button));
+// Where the page is in the lesson, also if an address has led there.
+function locate() {
+  if (!SLIDES[at] || !isShown(SLIDES[at].setting)) at = SLIDES.findIndex(({ setting }) => isShown(setting));
+}
+addEventListener("hashchange", () => {
+  locate();
+  refresh();
+});
 // The lesson begins with its first step: at once, if nothing has been set.
 on("present", "click", () => {
-  if (SLIDES[at] && !isShown(SLIDES[at].setting)) at = -1;
+  locate();
   if (at < 0 && isShown({})) lead(steppers[1]);
 });
-// A presenter's remote control sends these keys.
+// A presenter's remote control sends the first two keys. The others move what has the focus, if it can be moved.
 document.addEventListener("keydown", (event) => {
-  const way = { PageUp: 0, PageDown: 1 }[event.key];
+  const way = { PageUp: 0, PageDown: 1, ...(event.target.matches("body, button") ? { ArrowLeft: 0, ArrowRight: 1 } : {}) }[event.key];
   if (way === undefined || !document.body.classList.contains("present") || event.target.matches("textarea")) return;
   event.preventDefault();
   steppers[way].click();
