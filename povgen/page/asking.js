@@ -145,6 +145,7 @@ export function drawQuestion() {
     $("ask").textContent = unbroken(ask(question));
     $("prediction").replaceChildren(...(question.match || question.goal ? [] : choices(question)?.map(choiceInput) ?? [numberInput(question)]));
     drawVotes(question);
+    if (kept?.question !== question) for (const what of ["turn", "size"]) $(`draw-${what}`).value = 0;
     if (isRevealed(n) && work.votes[question.name]) $("votes").hidden = false;
     drawnQuestion = question;
     refused = "";
@@ -163,7 +164,7 @@ export function drawQuestion() {
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
   const isOfMountains = Boolean(entry(`questions.${question.name}.says`));
-  aid("drawing").hidden = isOfMountains || Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last) || fills;
+  aid("drawing").hidden = isOfMountains || Boolean(question.match || question.goal || question.after.E) || !hasPiece(state.scene) || NOT_TURNED.includes(last) || fills;
   for (const button of document.querySelectorAll("#aids [aria-controls]")) {  // a part without its button could not be closed
     const part = $(button.getAttribute("aria-controls"));
     if (button.hidden || (button.dataset.level && state.level === "simple")) part.hidden = true;

@@ -333,6 +333,7 @@ export function drawTabs() {
 TABS.forEach((tab, n) => {
   tab.addEventListener("click", () => {
     session.measuring = n === 2;
+    if (session.measuring) state.large = false;  // the picture is measured
     openQuestion(n === 1 ? session.lastQuestion : -1);
     refresh();
   });

@@ -66,8 +66,8 @@ for (const id of ["share", "room"]) {
     if (!shown && id === "share" && !$("room").hidden) $("room-open").click();  // it belongs to these tools
   };
   button.addEventListener("click", () => open($(id).hidden));
-  $(id).addEventListener("keydown", ({ key }) => {
-    if (key !== "Escape" || document.querySelector(":popover-open")) return;  // the browser closes this alone
+  for (const part of [button, $(id)]) part.addEventListener("keydown", ({ key }) => {
+    if (key !== "Escape" || $(id).hidden || document.querySelector(":popover-open")) return;  // the browser closes this alone
     open(false);
     button.focus();
   });
@@ -88,6 +88,7 @@ for (const field of document.querySelectorAll(".student")) {
     keep();
     refresh();
   });
+  field.addEventListener("keydown", (event) => event.key === "Enter" && event.preventDefault());  // it would reveal an answer
 }
 
 // Show other work: it was deleted, or another window of the browser has changed it.

@@ -195,7 +195,7 @@ function described({ eye, windows, objects }) {
   });
   const things = objects.map((each) => (each.kind === "floor" ? called(each) : `${called(each)} ${place(each)}`));
   if (things.length) said.push(say("rooms.objects_are", { list: listed(things) }));
-  return [say("rooms.eye_is", { place: place(eye) }), ...said].join(" ");
+  return [say("rooms.axes"), say("rooms.eye_is", { place: place(eye) }), ...said].join(" ");
 }
 
 export function drawRoom() {
@@ -225,4 +225,6 @@ export function drawRoom() {
   }
   $("rooms-reset").disabled = !Object.keys(session.moved).length;
   $("rooms-says").textContent = described(shown);
+  const same = !own && Object.keys(session.moved).every((name) => name.startsWith("eye."));  // what is said does not hold for others
+  $("rooms-look").textContent = same ? say(`rooms.look.${open}`) : "";
 }

@@ -181,11 +181,12 @@ for (const [event, parts] of [["pointerdown", "#stage, #space [data-moves], [typ
 /** @param {any} event */
 const isTouch = ({ pointerType, target }) => pointerType === "touch" && target.closest("#stage, [type=range]");
 let finger = null;
+const DRAG = 30;  // pixels: a browser that scrolls has said so before
 for (const event of ["pointerdown", "pointerup", "pointercancel"]) {
   document.addEventListener(event, (what) => (finger = event === "pointerdown" && isTouch(what) ? what : null), true);
 }
 document.addEventListener("pointermove", ({ clientX, clientY }) => {
-  if (!finger || Math.hypot(clientX - finger.clientX, clientY - finger.clientY) < 8) return;
+  if (!finger || Math.hypot(clientX - finger.clientX, clientY - finger.clientY) < DRAG) return;
   taken(finger);
   finger = null;
 }, true);

@@ -83,13 +83,17 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.wait_for_function("povgen.state.state.question < 0 && povgen.state.state.light === 'pencil'")
     page.evaluate("povgen.look.present(true)")
     lesson = page.get_by_role("group", name="Vorführen")
+    lesson.get_by_role("button", name="Stunde: weiter").click()  # from where the page has gone back to
+    page.wait_for_function("povgen.questions.isAsked()")
     lesson.get_by_role("button", name="Stunde: weiter").click()
-    page.wait_for_function("povgen.state.state.alpha === 90")  # after the link that was opened last
+    page.wait_for_function("povgen.state.state.alpha === 90")
     page.reload()
     expect(lesson).to_have_text(re.compile(r"Stunde\s+12/16"))
     expect(page.locator("input[type=range]:visible")).to_have_id("slider-z1")  # what the step is about
     assert page.evaluate("povgen.player.player.preset.parameter") == "z1"  # which Play moves
-    expect(page.get_by_text("α = 90°, weit weg: Der Springer dreht sich um die Hälfte von α")).to_be_visible()
+    expect(
+        page.get_by_text("so weit hinter dem Fenster wie Ihr Auge davor: Der Springer dreht sich um die Hälfte von α")
+    ).to_be_visible()
     page.keyboard.press("PageUp")
     page.wait_for_function("povgen.questions.isAsked()")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+11/16"))
@@ -111,6 +115,10 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.evaluate("povgen.address.fromHash('#level=expert'); document.getElementById('present').click()")
     page.wait_for_function("povgen.state.state.sheet === 'none'")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))  # where nothing has been set, it begins
+    page.evaluate("location.hash = 'question=near&language=de'")  # a link of docs/lesson.md
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+5/16"))
+    page.keyboard.press("ArrowLeft")
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+4/16"))
     page.get_by_role("button", name="Beenden").click()
     page.evaluate("povgen.readout.STILL.MOST = 0; povgen.picture.view.ready.then(() => {})")
     page.evaluate("window.print = () => { window.printed = true; }")
@@ -204,6 +212,9 @@ def test_for_a_projector_a_question_is_beside_the_picture(page):
     page.set_viewport_size({"width": 1280, "height": 720})
     size = "parseFloat(getComputedStyle($('ask')).fontSize)"
     small = page.evaluate(size)
+    page.get_by_role("button", name="More").click()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("button", name="Present")).to_be_hidden()
     page.get_by_role("button", name="More").click()
     page.get_by_role("button", name="Present").click()
     expect(page.locator("#lesson-next")).to_be_focused()

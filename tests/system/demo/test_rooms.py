@@ -160,6 +160,9 @@ def test_a_faulty_file_is_refused_in_a_line(page, tmp_path):
         choose(page, tmp_path, text)
         expect(page.locator("#rooms-message")).to_contain_text(f"a room.toml: {said}")
     assert page.evaluate("[session.room, $('rooms-choice').value]") == ["two", "two"]
+    expect(page.locator("#rooms-look")).to_contain_text("lean to opposite sides")
+    page.locator("#rooms-alpha").fill("70")
+    expect(page.locator("#rooms-look")).to_be_empty()  # it may no longer hold
     page.keyboard.press("Escape")
     expect(page.locator("#rooms")).to_be_hidden()
     page.evaluate("fromHash('#room=scrambledandcut'), draw()")

@@ -194,8 +194,10 @@ def test_a_finger_takes_over_when_it_moves_something(tour):
       return tour.step;
     }"""
     assert tour.evaluate(step, [["pointerdown", 0], ["pointermove", 5], ["pointerup", 5], ["click", 5]]) == 2
-    assert tour.evaluate(step, [["pointerdown", 0], ["pointercancel", 5], ["pointermove", 30]]) == 2
-    assert tour.evaluate(step, [["pointerdown", 0], ["pointermove", 30], ["pointerup", 30]]) == -1
+    assert (
+        tour.evaluate(step, [["pointerdown", 0], ["pointermove", 20], ["pointercancel", 20], ["pointermove", 40]]) == 2
+    )
+    assert tour.evaluate(step, [["pointerdown", 0], ["pointermove", 40], ["pointerup", 40]]) == -1
 
 
 def test_a_step_waits_until_its_picture_can_be_drawn(tour):

@@ -194,6 +194,10 @@ def test_a_prediction_is_drawn_and_compared(page):
     assert drawn.endswith("What is seen is turned by 15.0°, and 1.13 times as large.")
     page.evaluate("work.answers.sky = { given: null, first: null, shown: true }; fromHash('#question=sky'); draw()")
     expect(page.locator("#drawn-answer")).to_be_empty()  # nothing was drawn there
+    page.evaluate("openQuestion(4); draw()")
+    assert page.locator("#draw-turn").input_value() == "0"  # another question, another drawing
+    page.evaluate("openQuestion(2); draw()")
+    expect(page.get_by_role("button", name="Predict by drawing")).to_be_hidden()  # what moves is not turned
 
 
 def test_a_drawn_prediction_keeps_its_size(page):
@@ -220,7 +224,10 @@ def test_votes_are_counted(page):
     page.locator("#votes input").first.press("Enter")
     expect(page.locator("#answer")).to_be_empty()
     for field, votes in zip(page.locator("#votes input").all(), ("12", "3", "5"), strict=True):
-        field.fill(votes)
+        field.focus()
+        page.keyboard.type(votes)  # in place of the 0
+    page.locator("#questions .student").press("Enter")
+    expect(page.locator("#answer")).to_be_empty()
     assert page.locator("#votes output").all_text_contents() == ["60%", "15%", "25%"]
     page.evaluate("openQuestion(2); openQuestion(1); change({ alpha: 5 }); draw()")
     assert page.locator("#votes output").all_text_contents() == ["60%", "15%", "25%"]
@@ -255,6 +262,7 @@ def test_questions_of_ones_own_are_a_link(page):
     page.locator("#own-choices").fill("up\ndown")
     page.get_by_role("button", name="Open the question").click()
     expect(page.locator("#own-message")).to_contain_text("press Start")
+    expect(page.locator("#own-message")).to_be_in_viewport(ratio=0.9)
     page.evaluate("change({ alpha: 10, sheet: 'ideal' }); choose('de', true)")
     page.locator("#own-start").click()
     page.evaluate("choose('en', true); draw()")
