@@ -109,7 +109,7 @@ def test_nothing_is_cut_off_and_there_is_a_caption(made, number):
             (1, "within 10^{ray.angle_error_power} degrees, shifted by {ray.shift:.2f} of"),
             (2, "rotated by alpha is 10^{made.difference_power} (white is 1)"),
             (5, "rotated by {traced.alpha:.4f} degrees (alpha is 60 degrees)"),
-            (5, "comes is {traced.distance:.4f} from L"),
+            (5, "starting point is\n{traced.distance:.4f} from L"),
             (3, "|66|{pieces[2].nu:.1f}|15.0|{pieces[2].M:.3f}|0.851|\n|99|"),
             (4, "rotated\nby {horizon:.2f} degrees"),
             (4, "|6|{pieces[3].nu:.1f}|45.0|{pieces[3].M:.3f}|0.707|\n"),
