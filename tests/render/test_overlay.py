@@ -341,7 +341,7 @@ def test_a_movies_caption_stands_still(scenes, kind, monkeypatch):
         ),
         (
             [Chess(sheet="refraction", ratio=0.7, alpha=x) for x in (0, 90)],
-            [f"ratio of indices = 0.7, light turned by {x}°" for x in (0, 90)],
+            [f"index behind/in front = 0.7, light turned by {x}°" for x in (0, 90)],
         ),
         ([Chess(sheet="mirror", alpha=x) for x in (0, 91)], ["mirror line at 0°", "mirror line at 46°"]),
         (
