@@ -55,7 +55,7 @@ HEADS = {  # of the tables
 TITLES = {  # of the charts of frames
     size: (
         "Prisms: for the same error, gl costs\nless than half of what POV-Ray costs",
-        f"Ideal sheet: gl costs less\nfor {errors}",
+        f"Ideal sheet: gl costs clearly less\nfor {errors}",
     )
     for size, errors in (
         ("160x120", "every error"),

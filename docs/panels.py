@@ -247,11 +247,11 @@ OTHERS: dict[str, list[Panel]] = {
     "polarised": [
         Panel(
             POLARISED,
-            "parallel polarisers: 34 % passes",
+            "parallel: 34 % of designed light passes",
             names={"stray light": (-0.95 + 0.5j, -0.52 + 1.1j)},
             rays=2,
         ),
-        Panel(CROSSED, "crossed polarisers: 1.5 % passes", rays=2),
+        Panel(CROSSED, "crossed: 1.5 % of designed light passes", rays=2),
         Panel(
             CROSSED,
             "crossed, shown 6 × brighter",

@@ -90,7 +90,7 @@ def _scatter(ax: Axes, rows: Sequence[Row], prisms: bool) -> None:
         best = [each for n, each in enumerate(found) if all(each[1] < before[1] for before in found[:n])]
         for x, y, sampling in found:
             if sampling in names:
-                ax.plot(x, y, look[-1], color=colour, markersize=9)
+                ax.plot(x, y, look[-1], color=colour, markersize=9, fillstyle="none")
                 aside = (6, 5) if renderer == "" else (-13, -13)
                 letter = ax.annotate(names[sampling][0][0], (x, y), aside, textcoords="offset points", color=colour)
                 letter.set(weight="bold", path_effects=[withStroke(linewidth=3, foreground="white")])

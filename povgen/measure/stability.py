@@ -42,7 +42,7 @@ MAPS = {made.name: made for made in (  # without rows
         finding="(f) Ideal camera, eye off the axis: where povgen uses it,\n"
         "the worst error is at most 1.2 times the stated one",
         band=("right", limits.MAX_CAMERA_ERROR, f"not used: povgen allows\nat most {limits.MAX_CAMERA_ERROR} px"),
-        groups={"": "each line: a scene, with coarser\nand finer cells"},
+        groups={"": "← finer cells; each line: a scene"},
     ),
     StabilityMap(
         "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",
@@ -66,10 +66,10 @@ MAPS = {made.name: made for made in (  # without rows
         band=("left", limits.MIN_GAP, "povgen refuses"),
     ),
     StabilityMap(
-        "gap-wide", "(c) air gap, wide", GAP, "loss of designed light, from a gap of 10⁻⁶ (%)", 3, "x",
+        "gap-wide", "(c) air gap, wide", GAP, "designed light lost, against a gap of 10⁻⁶ (%)", 3, "x",
         finding=f"(c) Up to {limits.WIDE_GAP:g} of the pitch, an air gap loses little light",
-        band=("right", limits.WIDE_GAP, "more than\n3 % is lost"),
-        groups={"N": "N = 100, 1000 and 3000: mean and range"},
+        band=("right", limits.WIDE_GAP, "more is\nlost"),
+        groups={"N": "N = 100, 1000 and 3000: mean (below 0: more light)"},
     ),
     StabilityMap(
         "trace-level", "(d) max_trace_level", "max_trace_level: faces that a ray may meet", "lost pixels (%)",

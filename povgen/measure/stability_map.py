@@ -33,7 +33,7 @@ class StabilityMap:
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
-    y, in the same unit: of several groups y/x is drawn, on a linear axis. For the drawing: `finding` is its title.
+    y, in the same unit: y/x is drawn, on a linear axis. For the drawing: `finding` is its title.
     `band` is the shaded range: on which side of which value, and what happens there. `groups` are of series that are
     drawn as one, estimates alike, others by mean and range: by a pattern in their names, how they are called. `dot` is
     the name of large dots, at the last row of each series from POV-Ray's pictures. `ends` are those of the y axis.
@@ -155,27 +155,32 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
 
 
 def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
-    """Draw y against its estimate x; of groups, points: y as a multiple of x. Return what else to name."""
+    """Draw y as a multiple of its estimate x: points of groups, or each series without its first point, the largest.
+
+    The last point of a series that is drawn so is solid. Return what else to name.
+    """
     rows: dict[str, list[tuple[float, float]]] = {}
-    for name, *row in measured.rows:
-        rows.setdefault(name, []).append((row[0], row[1]))
+    for name, x, y in measured.rows:
+        rows.setdefault(name, []).append((x, y / x))
     groups = _grouped(measured, rows)
-    if len(groups) == 1:
-        for each in rows.values():
-            ax.plot(*np.transpose(each), "o-", color=COLOURS[0], linewidth=1, label="_")
-        ends = [pick(x for _, x, _ in measured.rows) for pick in (min, max)]
-        ax.plot(ends, ends, ":", color=GREY, label="as great as stated")
-        return [(label, [point for each in rows.values() for point in each], COLOURS[0]) for label in groups]
+    others: list[Named] = []
     ax.set(yscale="linear", ylabel=f"{measured.y.partition(' (')[0]} / stated error")
-    for n, (label, names) in enumerate(groups.items()):
-        points = [(x, y / x) for name in names for x, y in rows[name]]
-        ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
-    ax.set_xlim(left=min(x for _, x, _ in measured.rows) / 2)
-    ax.legend(fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92))  # a sign beside a name would look like a point
-    for line in ax.lines:
-        line.set_label("_")
+    if len(groups) == 1:
+        for _, *points in rows.values():
+            ax.plot(*np.transpose(points), "o-", color=COLOURS[0], linewidth=1, fillstyle="none", label="_")
+            ax.plot(*points[-1], "o", color=COLOURS[0], label="_")
+        others = [(label, [each[-2] for each in rows.values()], COLOURS[0]) for label in groups]
+    else:
+        for n, (label, names) in enumerate(groups.items()):
+            points = [point for name in names for point in rows[name]]
+            ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
+        ax.set_xlim(left=min(x for _, x, _ in measured.rows) / 2)
+        # not beside the points: a sign there would look like a point
+        ax.legend(fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92))
+        for line in ax.lines:
+            line.set_label("_")
     ax.axhline(1, linestyle=":", color=GREY, label="as great as stated")
-    return []
+    return others
 
 
 def _draw_lines(ax: Axes, measured: StabilityMap) -> list[Named]:

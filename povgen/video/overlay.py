@@ -195,6 +195,8 @@ def _outline(scene: AxialScene, outline: str, picture: NDArray[np.uint8]) -> Com
     thick = max(len(picture) / 260, 1.2)
     step = max(0.5, np.sqrt(0.2 * thick)) * scene.view / len(picture)
     points = _pixels(outlines(scene, step), scene, picture)
+    if outline == "direct_image" and len(points):  # it does not hide a small piece that is seen beside it
+        thick = max(min(thick, np.ptp(points.imag) / 70), 1.0)
     _, line, edge = OUTLINES[outline]
     for radius, colour in ((1.25, edge), (0.7, line)):
         discs(picture, points, radius * thick, colour)
