@@ -176,10 +176,12 @@ def test_the_eye_and_the_object_can_be_dragged(page, camera, axis):
     page.evaluate(f"session.camera = CAMERAS.{camera}; draw()")
     for what, depth in (("L", "z1"), ("E", "z2")):
         before, part = page.evaluate("({ ...state })"), f"#space .hold[data-moves={what}]"
-        [start] = bounds(page, part)
-        x, y = start["x"] + start["width"] / 2, start["y"] + start["height"] / 2
+        [found] = bounds(page, part)
+        x, y = found["x"] + found["width"] / 2, found["y"] + found["height"] / 2
         page.mouse.move(x, y)
         page.mouse.down()
+        page.evaluate("draw()")
+        [start] = bounds(page, part)  # while it is held: until then, the view can take another size
         page.mouse.move(x + 40, y - 15)
         page.evaluate("draw()")
         [end] = bounds(page, part)
