@@ -39,10 +39,10 @@ MAPS = {made.name: made for made in (  # without rows
     StabilityMap(
         "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
-        finding="(f) Ideal camera, eye off the axis: where povgen uses it,\n"
-        "the worst error is at most 1.2 times the stated one",
-        band=("right", limits.MAX_CAMERA_ERROR, f"not used: povgen allows\nat most {limits.MAX_CAMERA_ERROR} px"),
-        groups={"": "← finer cells; each line: a scene"},
+        finding="(f) Ideal camera, eye off the axis: in these 8 scenes povgen's cells\n"
+        "have at most 1.2 times the stated error",
+        band=("right", limits.MAX_CAMERA_ERROR, "coarser cells than\npovgen takes here"),
+        groups={"": "solid: povgen's cells"},
     ),
     StabilityMap(
         "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",
@@ -66,9 +66,9 @@ MAPS = {made.name: made for made in (  # without rows
         band=("left", limits.MIN_GAP, "povgen refuses"),
     ),
     StabilityMap(
-        "gap-wide", "(c) air gap, wide", GAP, "designed light lost, against a gap of 10⁻⁶ (%)", 3, "x",
+        "gap-wide", "(c) air gap, wide", GAP, "designed light lost (%), compared with gap / pitch = 10⁻⁶", 3, "x",
         finding=f"(c) Up to {limits.WIDE_GAP:g} of the pitch, an air gap loses little light",
-        band=("right", limits.WIDE_GAP, "more is\nlost"),
+        band=("right", limits.WIDE_GAP, "more is lost;\nrefused\nabove 0.5"),
         groups={"N": "N = 100, 1000 and 3000: mean (below 0: more light)"},
     ),
     StabilityMap(
