@@ -22,7 +22,7 @@ import { drawRoom } from "./rooms.js";
 import { tell } from "./sound.js";
 import { drawSpace } from "./space.js";
 import { session, state } from "./state.js";
-import { drawPlace } from "./teaching.js";
+import { drawPlace, locate } from "./teaching.js";
 import { describe, explanation, heard, isToBeFound, seen } from "./text.js";
 import "./tilt.js";
 import { tour } from "./tour.js";
@@ -126,6 +126,7 @@ addEventListener("popstate", () => {
   if (state.question < 0) session.explored = { ...state };
   chooseUsual();  // unless the address has another
   fromHash(location.hash);
+  locate();
   [kept, keptChoice] = [toHash(), chosen()];
   refresh();
 });

@@ -157,13 +157,9 @@ function lead(button) {
 }
 for (const button of steppers) button.addEventListener("click", () => lead(button));
 // Where the page is in the lesson, also if an address has led there.
-function locate() {
+export function locate() {
   if (!SLIDES[at] || !isShown(SLIDES[at].setting)) at = SLIDES.findIndex(({ setting }) => isShown(setting));
 }
-addEventListener("hashchange", () => {
-  locate();
-  refresh();
-});
 // The lesson begins with its first step: at once, if nothing has been set.
 on("present", "click", () => {
   locate();
