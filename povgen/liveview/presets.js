@@ -107,8 +107,7 @@ export function wholeView({ aperture, rim, eye: [x, y], z2, view }, deep) {
     const scale = z2 / (z2 - deep / 2 + part * slant), half = scale * (aperture / 2 + out * rim);
     return Math.max(half + (scale - 1) * Math.abs(y), (half + (scale - 1) * Math.abs(x)) * 0.75);
   });
-  const needed = 2 * Math.max(...reaches);
-  return needed <= view ? view : Math.min(2 * view, 1.03 * needed);
+  return Math.max(view, Math.min(2 * view, 2.06 * Math.max(...reaches)));  // without a jump while z2 changes
 }
 
 /** Whether the object of a preset, by the preset's name, is a piece on a pedestal.

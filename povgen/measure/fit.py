@@ -255,4 +255,4 @@ def _value(scene: AxialScene, name: str) -> float:
 
 def _with(scene: AxialScene, values: Mapping[str, float]) -> AxialScene:
     """Return the scene with other numbers. Its picture's height stays."""
-    return scene.replace(view=scene.view).with_numbers(values)
+    return scene.with_numbers({"view": scene.view, **values})

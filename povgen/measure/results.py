@@ -114,7 +114,9 @@ def _checked(scene: object, quantities: Sequence[str]) -> Scene:
 
 def _with(scene: Scene, values: dict[str, Any]) -> Scene:
     """Return a copy with these values. Numbers of a room's things have names such as left.alpha."""
-    inside = {name: x for name, x in values.items() if "." in name or isinstance(scene, AxialScene)}
+    if isinstance(scene, AxialScene):
+        return scene.with_numbers(values)
+    inside = {name: x for name, x in values.items() if "." in name}
     made = scene.replace(**{name: value for name, value in values.items() if name not in inside})
     return made.with_numbers(inside) if inside else made
 

@@ -164,7 +164,8 @@ export function drawQuestion() {
   aid("votes").hidden = !choices(question);
   const last = question.after.sheet ?? question.before.sheet;
   const isOfMountains = Boolean(entry(`questions.${question.name}.says`));
-  aid("drawing").hidden = isOfMountains || Boolean(question.match || question.goal || question.after.E) || !hasPiece(state.scene) || NOT_TURNED.includes(last) || fills;
+  const isOfEye = String(question.after.E ?? question.before.E) !== String(question.before.E);  // then the piece moves
+  aid("drawing").hidden = isOfMountains || isOfEye || Boolean(question.match || question.goal) || !hasPiece(state.scene) || NOT_TURNED.includes(last) || fills;
   for (const button of document.querySelectorAll("#aids [aria-controls]")) {  // a part without its button could not be closed
     const part = $(button.getAttribute("aria-controls"));
     if (button.hidden || (button.dataset.level && state.level === "simple")) part.hidden = true;

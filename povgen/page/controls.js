@@ -333,8 +333,8 @@ export function drawTabs() {
 TABS.forEach((tab, n) => {
   tab.addEventListener("click", () => {
     session.measuring = n === 2;
-    if (session.measuring) state.large = false;  // the picture is measured
     openQuestion(n === 1 ? session.lastQuestion : -1);
+    if (session.measuring) state.large = false;  // the picture is measured
     refresh();
   });
   tab.addEventListener("keydown", (event) => {

@@ -19,11 +19,13 @@ export const overlay = $("overlay");
 export const stage = $("stage");
 
 // From tiles of the plane z = 0 to pixels of the stage, from its centre.
-export const tilePixels = () => stage.clientHeight / sceneValues().view;
+let drawnView = sceneValues().view;  // of the picture that is drawn, tiles
+export const tilePixels = () => stage.clientHeight / drawnView;
 export const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
 
 export function drawOverlay(now) {
   const box = { width: stage.clientWidth, height: stage.clientHeight };
+  drawnView = now.scene.view;
   if (!box.width) return;
   const least = Math.max(12, document.body.classList.contains("present") ? innerHeight / 40 : 0);
   const rem = Math.max(least, box.height / 36);

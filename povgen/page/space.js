@@ -177,7 +177,8 @@ function objectParts({ L, z1, windows, objects, radii }, view) {
 // Light runs from the object to the eye: the rays that begin at the eye are drawn against their direction.
 function rayParts(now, rays, image, { to }, rem) {
   const { z1, z2, windows } = now, parts = [], forward = state.light !== "pencil";
-  const beyond = state.light === "aim" && SHOWN.includes(seenAt(now, state.W)) ? z1 + 2 : 0;  // it does not end at the object
+  const seen = state.light === "aim" ? seenAt(now, state.W) : "";
+  const beyond = SHOWN.includes(seen) && seen !== "pedestal" ? z1 + 2 : 0;  // it does not end at the object
   const end = forward ? windows.at(-1).z + z1 + beyond : Math.min(-1.15 * z2, image && image[2] < 0 ? Math.max(image[2] - 0.4, -2 * z2) : 0);
   for (const ray of [...rays].sort((a, b) => Number(a.kind === "designed") - Number(b.kind === "designed"))) {
     const points = [...ray.points];

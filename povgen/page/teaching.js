@@ -159,6 +159,7 @@ for (const button of steppers) button.addEventListener("click", () => lead(butto
 // Where the page is in the lesson, also if an address has led there.
 export function locate() {
   if (!SLIDES[at] || !isShown(SLIDES[at].setting)) at = SLIDES.findIndex(({ setting }) => isShown(setting));
+  inTab("lesson", String(at));
 }
 // The lesson begins with its first step: at once, if nothing has been set.
 on("present", "click", () => {
@@ -168,7 +169,8 @@ on("present", "click", () => {
 // A presenter's remote control sends the first two keys. The others move what has the focus, if it can be moved.
 document.addEventListener("keydown", (event) => {
   const way = { PageUp: 0, PageDown: 1, ...(event.target.matches("body, button") ? { ArrowLeft: 0, ArrowRight: 1 } : {}) }[event.key];
-  if (way === undefined || !document.body.classList.contains("present") || event.target.matches("textarea")) return;
+  if (way === undefined || event.defaultPrevented || event.altKey || event.ctrlKey || event.metaKey) return;
+  if (!document.body.classList.contains("present") || event.target.matches("textarea")) return;
   event.preventDefault();
   steppers[way].click();
 });

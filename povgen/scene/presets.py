@@ -44,7 +44,7 @@ from povgen.scene.scene import SCENES as SCENES
 from povgen.scene.scene import Scene as Scene
 from povgen.scene.scene import checked_scene, classes
 from povgen.scene.scene import recorded as recorded
-from povgen.scene.windows import WINDOW_NUMBER, with_numbers
+from povgen.scene.windows import WINDOW_NUMBER, as_windows, with_numbers
 from povgen.sheets import SHEETS
 from povgen.sheets.profile import ProfileFile
 from povgen.validation import Model, as_flag
@@ -83,9 +83,12 @@ class AxialScene(Predicted):
     def component(self, name: str) -> tuple[str, int] | None:
         """Return the field and the place in it of a number in a list, such as ("eye", 1) for eye_y, or None."""
         field, _, which = name.rpartition("_")
-        place = {"x": 0, "y": 1, "z": 2}.get(which, int(which) - 1 if which.isdecimal() else -1)
-        point = getattr(self, field) if field in type(self).model_fields else None
-        return (field, place) if isinstance(point, tuple) and 0 <= place < len(point) else None
+        is_place = field in ("eye", "look", "line", "axis")
+        place = (
+            "xyz".find(which) if is_place and which else int(which) - 1 if which.isdecimal() and not is_place else -1
+        )
+        listed = getattr(self, field) if field in type(self).model_fields and field != "window" else None
+        return (field, place) if isinstance(listed, tuple) and 0 <= place < len(listed) else None
 
     def with_numbers(self, values: Mapping[str, Any]) -> Self:
         changes: dict[str, Any] = {}
@@ -97,8 +100,9 @@ class AxialScene(Predicted):
                 changes[field] = (*point[:place], value, *point[place + 1 :])
             elif name not in windows:
                 changes[name] = value
-        made = self.replace(**changes)
-        return made.replace(window=with_numbers(made.window, windows)) if windows else made
+        if windows:
+            changes["window"] = with_numbers(as_windows(changes.get("window", self.window)), windows)
+        return self.replace(**changes)
 
     @property
     def distances(self) -> tuple[float, ...]:

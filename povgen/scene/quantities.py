@@ -376,7 +376,7 @@ def parameters(scene: Scene, names: Collection[str] | None = None) -> dict[str, 
 
 
 def _stated(scene: Scene, names: Collection[str] | None) -> Iterator[tuple[str, object]]:
-    """Yield the values of a scene's fields and, by their own names, those of further windows and of a room's things."""
+    """Yield the values of a scene's fields and, by their own names, components, further windows and a room's things."""
     inside = {"object", "window", "eye"} if scene.parts else set()
     for part, model in scene.parts.items():
         for name, value in model.model_dump().items():

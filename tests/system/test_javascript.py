@@ -131,8 +131,7 @@ def test_the_whole_frame_is_shown_as_in_povgens_pictures(page):
     for values in ({}, {"prisms": 12}, {"prisms": 8, "E": [3, 0.5]}, {"prisms": 8, "E": [0, 3]}, {"z2": 0.8}):
         page.evaluate("(values) => { fromHash(''); change(values); }", {"sheet": "detailed"} | values)
         shown = scene_of(page)
-        usual = shown.model_copy(update={"view": VIEW}).default_view()
-        assert shown.view == pytest.approx(usual) and (shown.view > VIEW) == bool(values), values
+        assert shown.view == pytest.approx(shown.default_view()) and (shown.view > VIEW) == bool(values), values
     page.evaluate("change", {"z2": 0.2, "prisms": 100})
     assert scene_of(page).view == 2 * VIEW
 

@@ -199,10 +199,15 @@ def test_lists_of_values():
         table["eye_x"].tolist() == [0, 1, 1] * 2 and (table["nu"][:3] == results(scene, "nu", alpha=[30])["nu"]).all()
     )
     two = scene.replace(z1=[2, 3], window="alpha=30,z=1")
-    parts = results(two, "nu", eye_x=[0.5], z1_2=(4, 5), window2_alpha=[40])  # the names of columns
-    whole = results(scene.replace(window="alpha=40,z=1"), "nu", eye=[(0.5, 0)], z1=[(2, 4), (2, 5)])
-    assert list(parts) == ["eye_x", "z1_2", "window2_alpha", "nu"] and parts["z1_2"].tolist() == [4, 5]
-    assert parts["nu"].tolist() == whole["nu"].tolist()
+    parts = results(two, "x", "nu", eye_x=[0.5], z1_2=(4, 5), window2_alpha=[40])  # the names of columns
+    whole = results(scene.replace(window="alpha=40,z=1"), "x", "nu", eye=[(0.5, 0)], z1=[(2, 4), (2, 5)])
+    assert list(parts) == ["eye_x", "z1_2", "window2_alpha", "x", "nu"] and parts["z1_2"].tolist() == [4, 5]
+    assert parts["x"].tolist() == whole["x"].tolist() and parts["nu"].tolist() == whole["nu"].tolist()
+    for wrong in ("eye_1", "z1_x", "window_1"):
+        with pytest.raises(InputError, match="unknown"):
+            results(two, "nu", **{wrong: [1]})
+    changed = Chess(sheet="ideal", window="z=0.35,alpha=30").with_numbers({"aperture": 5, "window2_z": 0.6})
+    assert changed.window[0].z == 0.6  # both at once: the first one alone is refused
     spheres = results(Spheres(sheet="ideal"), "x", z2=(4, 5))  # which move with the eye
     assert spheres["x"].tolist() == [results(Spheres(sheet="ideal", z2=z2), "x")["x"][0] for z2 in (4, 5)]
     assert list(results(scene, "x", x=(0, 0.5), z1=[3])) == ["z1", "scene_x", "x"]

@@ -102,6 +102,9 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     changed = "povgen.address.fromHash('#level=expert&light=prism&view=side'); povgen.data.draw()"
     page.evaluate(changed)
     assert "&view=side" in page.evaluate("povgen.address.toHash()")
+    page.wait_for_function(
+        "location.hash.includes('light=prism')"
+    )  # the page's own change of the address leads nowhere
     expect(lesson).to_have_text(re.compile(r"Stunde\s+11/16"))
     page.keyboard.press("PageUp")  # the step comes back
     page.wait_for_function("povgen.questions.isAsked()")

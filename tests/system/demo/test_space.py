@@ -199,6 +199,7 @@ def test_the_view_takes_the_place_of_the_picture(page):
     space, stage = (page.locator(part).bounding_box() for part in ("#space-turn", "#stage"))
     assert space["width"] > 2.5 * stage["width"] > 0
     assert page.evaluate("new URLSearchParams(toHash().slice(1)).get('show')") == "stray,large"
+    page.get_by_role("tab", name="Questions").click()
     page.get_by_role("tab", name="Measure").click()
     assert not page.evaluate("draw(), state.large")  # the picture is measured
     page.get_by_role("tab", name="Explore").click()
