@@ -41,8 +41,8 @@ MAPS = {made.name: made for made in (  # without rows
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
         finding="(f) Ideal camera, eye off the axis: in these 8 scenes povgen's cells\n"
         "have at most 1.2 times the stated error",
-        band=("right", limits.MAX_CAMERA_ERROR, "coarser cells than\npovgen takes here"),
-        groups={"": "solid: povgen's cells"},
+        band=("right", limits.MAX_CAMERA_ERROR, "each line: a scene; open: coarser\ncells than povgen takes for it"),
+        groups={"": "solid:\npovgen's\ncells"},
     ),
     StabilityMap(
         "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",

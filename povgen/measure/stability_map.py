@@ -169,16 +169,16 @@ def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
         for _, *points in rows.values():
             ax.plot(*np.transpose(points), "o-", color=COLOURS[0], linewidth=1, fillstyle="none", label="_")
             ax.plot(*points[-1], "o", color=COLOURS[0], label="_")
-        others = [(label, [each[-2] for each in rows.values()], COLOURS[0]) for label in groups]
+        others = [(label, [each[-1] for each in rows.values()], COLOURS[0]) for label in groups]
     else:
         for n, (label, names) in enumerate(groups.items()):
             points = [point for name in names for point in rows[name]]
             ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
-        ax.set_xlim(left=min(x for _, x, _ in measured.rows) / 2)
         # not beside the points: a sign there would look like a point
         ax.legend(fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92))
         for line in ax.lines:
             line.set_label("_")
+    ax.set_xlim(left=min(x for _, x, _ in measured.rows) / 2)
     ax.axhline(1, linestyle=":", color=GREY, label="as great as stated")
     return others
 
