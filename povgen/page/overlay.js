@@ -18,8 +18,8 @@ import { caption } from "./text.js";
 export const overlay = $("overlay");
 export const stage = $("stage");
 
+let drawnView = sceneValues().view;  // height of the picture that is drawn, tiles
 // From tiles of the plane z = 0 to pixels of the stage, from its centre.
-let drawnView = sceneValues().view;  // of the picture that is drawn, tiles
 export const tilePixels = () => stage.clientHeight / drawnView;
 export const onStage = ([x, y]) => scaled(tilePixels(), [x, -y]);
 

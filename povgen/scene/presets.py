@@ -63,6 +63,11 @@ class Standing(NamedTuple):
     radius: float  # of the foot
 
 
+def components(field: str, count: int) -> list[str]:
+    """Return the names of the numbers in a list: x, y and z of a place or a direction, otherwise 1, 2, ..."""
+    return [*"xyz"[:count]] if field in ("eye", "look", "line", "axis") else [str(n) for n in range(1, count + 1)]
+
+
 class AxialScene(Predicted):
     """A scene whose windows stand one behind the other on one axis."""
 
@@ -83,12 +88,9 @@ class AxialScene(Predicted):
     def component(self, name: str) -> tuple[str, int] | None:
         """Return the field and the place in it of a number in a list, such as ("eye", 1) for eye_y, or None."""
         field, _, which = name.rpartition("_")
-        is_place = field in ("eye", "look", "line", "axis")
-        place = (
-            "xyz".find(which) if is_place and which else int(which) - 1 if which.isdecimal() and not is_place else -1
-        )
         listed = getattr(self, field) if field in type(self).model_fields and field != "window" else None
-        return (field, place) if isinstance(listed, tuple) and 0 <= place < len(listed) else None
+        names = components(field, len(listed)) if isinstance(listed, tuple) else []
+        return (field, names.index(which)) if which in names else None
 
     def with_numbers(self, values: Mapping[str, Any]) -> Self:
         changes: dict[str, Any] = {}

@@ -20,7 +20,7 @@ from povgen.optics.equations import Booleans, Complexes, Floats, real
 from povgen.optics.rays import Bundle, Convergence
 from povgen.optics.shares import Shares, shares
 from povgen.scene import pupil
-from povgen.scene.presets import AxialScene, checked_axial
+from povgen.scene.presets import AxialScene, checked_axial, components
 from povgen.scene.scene import Scene
 from povgen.scene.windows import WINDOW_NUMBER
 from povgen.sheets import PARAMETERS
@@ -363,9 +363,8 @@ def parameters(scene: Scene, names: Collection[str] | None = None) -> dict[str, 
             for part, each in value.items():
                 add(f"{name}_{part}", each)
         elif isinstance(value, (tuple, list)):
-            is_place = name.rpartition("_")[2] in ("eye", "look", "line", "axis")  # axis, or window2_axis
-            parts = "xyz" if is_place else [str(n) for n in range(1, len(value) + 1)]
-            for part, each in zip(parts, value, strict=False):
+            parts = components(name.rpartition("_")[2], len(value))  # of axis, or window2_axis
+            for part, each in zip(parts, value, strict=True):
                 add(f"{name}_{part}", each)
         elif value is not None:
             found[name] = value if isinstance(value, (bool, int, float)) else str(value)

@@ -203,7 +203,7 @@ def test_lists_of_values():
     whole = results(scene.replace(window="alpha=40,z=1"), "x", "nu", eye=[(0.5, 0)], z1=[(2, 4), (2, 5)])
     assert list(parts) == ["eye_x", "z1_2", "window2_alpha", "x", "nu"] and parts["z1_2"].tolist() == [4, 5]
     assert parts["x"].tolist() == whole["x"].tolist() and parts["nu"].tolist() == whole["nu"].tolist()
-    for wrong in ("eye_1", "z1_x", "window_1"):
+    for wrong in ("eye_1", "eye_xy", "z1_x", "z1_02", "window_1"):
         with pytest.raises(InputError, match="unknown"):
             results(two, "nu", **{wrong: [1]})
     changed = Chess(sheet="ideal", window="z=0.35,alpha=30").with_numbers({"aperture": 5, "window2_z": 0.6})
