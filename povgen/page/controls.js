@@ -9,7 +9,7 @@ import { appearance, moment } from "./moment.js";
 import { drawOverlay } from "./overlay.js";
 import { bare, pieceName } from "./phrases.js";
 import { player } from "./player.js";
-import { isAsked } from "./questions.js";
+import { isAsked, QUESTIONS } from "./questions.js";
 import { BEHIND_PRISMS, change, chooseBeyond, chooseSheet, chosenBeyond, isReplaced, kinds, labels, partsShown, RANGES, replace, session, state, SWITCHES, usesAlpha, WHOLE } from "./state.js";
 import { explanation } from "./text.js";
 
@@ -220,7 +220,8 @@ export function showInputs(now) {
   for (const option of $("of-sheet2").options) option.hidden = option.disabled = state.sheet === "detailed" && !BEHIND_PRISMS.includes(option.value);
   const beyond = chosenBeyond(), simple = state.level === "simple";
   const asking = state.question >= 0, measuring = session.measuring && !asking;
-  for (const [name, holds] of Object.entries({ simple, asking, measuring, compact: !simple || asking || measuring })) document.body.classList.toggle(name, holds);
+  const challenged = isAsked() && Boolean(QUESTIONS[state.question].goal);  // then what is seen stays in sight
+  for (const [name, holds] of Object.entries({ simple, asking, challenged, measuring, compact: !simple || asking || measuring })) document.body.classList.toggle(name, holds);
   $("level").checked = !simple;
   $("best-focus").checked = state.focus === "best";
   const main = mainSlider();

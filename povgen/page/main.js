@@ -83,7 +83,7 @@ function speak(now) {
   if (!touring || tour.isStill()) $("view").setAttribute("aria-label", describe(now));
   silent &&= toHash() === opened && !touring;
   // the guided start waits for who goes from step to step: only then is there time to say what is seen, too
-  const sentences = !touring ? [...heard(now), ...pointsAsked()] : [...tour.says(), ...(tour.paused ? [seen(now)] : [])];
+  const sentences = !touring ? [...heard(now), ...pointsAsked()] : [...tour.says(), ...(tour.paused && state.light !== "prism" ? [seen(now)] : [])];
   const news = sentences.filter((sentence) => sentence && !told.includes(sentence)), set = JSON.stringify(pick(state, ...SETTINGS));
   // other settings can look the same, as 180 and -180 degrees do: then what is seen is spoken again, as a new text
   if (!news.length && set !== toldOf && !touring && !isToBeFound()) news.push(`${explanation(now)}${$("spoken").textContent.endsWith("\u00a0") ? "" : "\u00a0"}`);

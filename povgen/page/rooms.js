@@ -226,5 +226,6 @@ export function drawRoom() {
   $("rooms-reset").disabled = !Object.keys(session.moved).length;
   $("rooms-says").textContent = described(shown);
   const same = !own && Object.keys(session.moved).every((name) => name.startsWith("eye."));  // what is said does not hold for others
-  $("rooms-look").textContent = same ? say(`rooms.look.${open}`) : "";
+  const turn = shown.windows.every(({ sheet }) => ["ideal", "detailed"].includes(sheet)) ? say("rooms.turns") : "";
+  $("rooms-look").textContent = same ? say(`rooms.look.${open}`) : turn;
 }

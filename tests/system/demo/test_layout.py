@@ -244,6 +244,13 @@ def test_on_a_phone_what_is_shown_stays_beside_the_sliders(page, size):
             expect(page.locator(part)).to_be_in_viewport(ratio=0.99)
     if size[0] > size[1]:
         assert page.locator("header").bounding_box()["height"] < 45  # one row
+    else:  # a challenge needs what is said, too
+        page.evaluate("fromHash('#question=quarter'), draw(), $('row-z2').scrollIntoView({ block: 'end' })")
+        page.wait_for_function("scrollY > 40")
+        for part in ("#stage", "#sentence", "#ask", "#row-alpha", "#row-z2"):
+            expect(page.locator(part)).to_be_in_viewport(ratio=0.99)
+        said, asked = (page.locator(part).bounding_box() for part in (".said", "#ask"))
+        assert said["y"] + said["height"] <= asked["y"]
 
 
 def test_the_light_has_the_room_that_is_free_and_letters_are_large(page):

@@ -134,8 +134,8 @@ def test_what_the_steps_say_is_what_they_show(tour):
 def test_who_goes_from_step_to_step_sees_and_hears_where_each_one_ends(tour):
     button, spoken = tour.get_by_role("button", name="Next"), tour.locator("#spoken")
     for text, seen in (
-        ("This is one prism", "One sheet exchanges sky and floor."),
-        ("A hundred such prisms", ""),
+        ("(?!.*exchanges)This is one prism", ""),  # the light is shown in place of the picture
+        ("A hundred such prisms", "One sheet exchanges sky and floor."),
         ("A second sheet mirrors again", "The knight appears turned by 1[0-9.]+° counter-clockwise"),
     ):
         button.press("Enter")
