@@ -72,7 +72,7 @@ def fit(
     free: str | Sequence[str] = ("alpha", "z1"),
     noise: float | None = None,
 ) -> Fit:
-    """Return the values of the parameters `free` that predict the points nearest to `seen`: least squares.
+    """Return the values of the parameters `free` whose predictions are nearest to `seen` (least squares).
 
     `places` (n, 2) are the x and y of points at the scene's z1, or (n, 3) with z1 of each point: its distance behind
     the last window. `seen` (n, 2) is where the eye sees them in the plane of the first window. All are in tiles, from

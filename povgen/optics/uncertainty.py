@@ -56,7 +56,7 @@ def layers(P: complex, E: complex, windows: apparent.Windows) -> list[Layer]:
 
 
 def possible_error(P: complex, E: complex, z1: float, radius: float, windows: apparent.Windows) -> float:
-    """Return how far, at most, an object at z1 appears from P, its predicted position.
+    """Estimate how far, at most, an object at z1 appears from P, its predicted position.
 
     `radius` is the object's, and z1 its distance behind the last window. At least one window consists of prisms or
     lenses. The result is a distance in the plane of the first window. It is infinite if the object appears at infinity,

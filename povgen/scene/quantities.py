@@ -267,9 +267,7 @@ QUANTITIES = {
     "M": Quantity(
         lambda scene: scene.nu_and_M(scene.distances[0])[1], "", "its magnification; NaN likewise", stacks=True
     ),
-    "uncertainty": Quantity(
-        _uncertainty, "tiles", "possible error of x and y, because of the finite size of the prisms"
-    ),
+    "uncertainty": Quantity(_uncertainty, "tiles", "possible error of x and y through prisms or lenses"),
     "visible": Quantity(_visible, "", "1 if the eye sees it, otherwise 0", stacks=True, in_rooms=True),
     "seen_x": Quantity(
         lambda scene: traced_image(scene).position.real, "tiles", "x by the ray trace, on the designed path"

@@ -10,7 +10,7 @@ class Lens(Ideal):
 
     name = "lens"
     title = "thin lens"
-    does = "bends light towards the window's centre as an ideal thin lens does"
+    does = "bends light as an ideal thin lens does"
     source = "any textbook of optics"
     parameters = (FOCAL_LENGTH,)
     law = Law("x - X*z/focal_length, y - Y*z/focal_length, z", ["focal_length"])

@@ -41,8 +41,7 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "length of a prism; 1: just enough for all light along z to be designed; least by index and "
-        "base angle; below 2",
+        "length of a prism; 1: just enough for all light along z; below 2; the least depends on index and base angle",
         Prism.aspect,
         0,
         2,

@@ -12,7 +12,7 @@ class Twist(Ideal):
 
     name = "twist"
     title = "rotation by an angle that grows from the centre"
-    does = "turns light by alpha at the centre, and by more outside"
+    does = "turns light by alpha at the centre, and by another angle outside"
     source = "this project"
     parameters = (
         of(ALPHA),
