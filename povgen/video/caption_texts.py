@@ -176,12 +176,11 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
     """Return the short caption of each frame.
 
     It states the numbers and points that are not the same in all frames. If the angle by which an object appears turned
-    changes, it states this too, and how large the object appears if this changes. With a side view, numbers have enough
-    decimals that a frame in which the object has an image reads differently from one in which it has none.
+    changes, it states this too, and how large the object appears if this changes. With a side view, a number that
+    is only rounded to that of a frame in which all objects have an image is said to be `about` this.
     """
     imaged = [
-        tuple(side_view and bool(np.isnan(scene.image_plane([L], z1)[0])) for L, z1 in scene.objects)
-        for scene in scenes
+        not (side_view and any(np.isnan(scene.image_plane([L], z1)[0]) for L, z1 in scene.objects)) for scene in scenes
     ]
     uses = [used_parameters(scene) for scene in scenes]
     rows = [_numbers(scene, set().union(*uses)) for scene in scenes]
@@ -198,14 +197,16 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
         elif len({*values}) > 1:
             plain, _, kind = name.rstrip(SUBSCRIPTS).partition(" ")
             unit = "" if kind == "law" else _unit(plain)
-            for digits in range(_digits(values, unit.startswith("°")), 5):
-                texts = [
-                    " to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else _word(scene, plain)
-                    for scene, value in zip(scenes, values, strict=True)
-                ]
-                if len({*zip(texts, imaged, strict=True)}) == len({*texts}):
-                    break
-            texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
+            digits = _digits(values, unit.startswith("°"))
+            texts = [
+                " to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else _word(scene, plain)
+                for scene, value in zip(scenes, values, strict=True)
+            ]
+            of_images = {text for text, has in zip(texts, imaged, strict=True) if has}
+            texts = [
+                f"{'' if has or text not in of_images else 'about '}{text}{_in_each_window(scene, name)}"
+                for scene, text, has in zip(scenes, texts, imaged, strict=True)
+            ]
             # a frame states nothing of a parameter that its own sheet does not have
             lacks = [
                 plain in PARAMETERS and (name not in own if name == plain else not value)
