@@ -788,7 +788,7 @@ def test_a_prediction_that_is_off_by_pixels_is_said_to_be(page, values):
         ("de", {"sheet": "none"}, "Im Fenster ist nichts: Der Springer ist"),
         ("fr", {"alpha": 0, "piece": "rook"}, "La tour n’est pas tournée"),
         ("fr", {}, "Le cavalier paraît tourné de 15,0°"),
-        ("ar", {}, "وبحجم يعادل \u20681.13\u2069 ضعف الحجم"),
+        ("ar", {}, "وبحجم يعادل \u20681.13\u2069 مرة من الحجم"),
     ],
 )
 def test_what_is_seen_is_said_as_the_language_does(page, language, values, said):
