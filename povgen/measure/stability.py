@@ -39,10 +39,9 @@ MAPS = {made.name: made for made in (  # without rows
     StabilityMap(
         "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
-        finding="(f) Ideal camera, eye off the axis: in these 8 scenes povgen's cells\n"
-        "have at most 1.2 times the stated error",
-        band=("right", limits.MAX_CAMERA_ERROR, "each line: a scene; open: coarser\ncells than povgen takes for it"),
-        groups={"": "solid:\npovgen's\ncells"},
+        finding="(f) The ideal camera's error is about as great as stated (8 scenes, eye off the axis)",
+        band=("right", limits.MAX_CAMERA_ERROR, "povgen takes finer cells"),
+        groups={"": "solid: the cells\nthat povgen takes"},
     ),
     StabilityMap(
         "prediction", "(a) prisms' size and the pole", "error that povgen states as possible (px)",
@@ -97,7 +96,7 @@ MAPS = {made.name: made for made in (  # without rows
         band=("left", limits.MIN_PIXELS_PER_PRISM, "povgen warns:\nabout one ray\na prism, or less"),
     ),
     StabilityMap(
-        "moire", "(h) sheets nearly parallel", "α N: angle by which rays turn, times the prisms in a sheet (degrees)",
+        "moire", "(h) ridges nearly parallel", "α N: angle by which rays turn, times the prisms in a sheet (degrees)",
         "contrast of dark bands / their contrast at α = 30°", 1.35,
         finding="(h) From αN = 800° on, dark bands are weak",
         band=("left", limits.MOIRE, "povgen warns\n(at 0 the bands are as wide as the window)"), ends=(0.8, 2.5),

@@ -33,7 +33,7 @@ class StabilityMap:
 
     `title` is the map's name in tables. The fields `x` and `y` are the labels of the axes. `log_axes` names the
     logarithmic axes: '', 'x', 'y' or 'xy'. `tolerance` is the greatest allowed y. If `is_estimate`, x is an estimate of
-    y, in the same unit: y/x is drawn, on a linear axis. For the drawing: `finding` is its title.
+    y, in the same unit. For the drawing: `finding` is its title.
     `band` is the shaded range: on which side of which value, and what happens there. `groups` are of series that are
     drawn as one, estimates alike, others by mean and range: by a pattern in their names, how they are called. `dot` is
     the name of large dots, at the last row of each series from POV-Ray's pictures. `ends` are those of the y axis.
@@ -155,31 +155,25 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
 
 
 def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
-    """Draw y as a multiple of its estimate x: points of groups, or each series without its first point, the largest.
+    """Draw the points of each group, and where y is as great as its estimate x. Return what else to name.
 
-    The last point of a series that is drawn so is solid. Return what else to name.
+    Of a single group, the last point of each series is solid.
     """
     rows: dict[str, list[tuple[float, float]]] = {}
-    for name, x, y in measured.rows:
-        rows.setdefault(name, []).append((x, y / x))
+    for name, *point in measured.rows:
+        rows.setdefault(name, []).append((point[0], point[1]))
     groups = _grouped(measured, rows)
     others: list[Named] = []
-    ax.set(yscale="linear", ylabel=f"{measured.y.partition(' (')[0]} / stated error")
-    if len(groups) == 1:
-        for _, *points in rows.values():
-            ax.plot(*np.transpose(points), "o-", color=COLOURS[0], linewidth=1, fillstyle="none", label="_")
-            ax.plot(*points[-1], "o", color=COLOURS[0], label="_")
-        others = [(label, [each[-1] for each in rows.values()], COLOURS[0]) for label in groups]
-    else:
-        for n, (label, names) in enumerate(groups.items()):
-            points = [point for name in names for point in rows[name]]
-            ax.plot(*np.transpose(points), MARKS[n], color=COLOURS[n], label=label)
-        # not beside the points: a sign there would look like a point
-        ax.legend(fontsize=11, loc="upper right", bbox_to_anchor=(1, 0.92))
-        for line in ax.lines:
-            line.set_label("_")
-    ax.set_xlim(left=min(x for _, x, _ in measured.rows) / 2)
-    ax.axhline(1, linestyle=":", color=GREY, label="as great as stated")
+    for (label, names), mark, colour in zip(groups.items(), MARKS, COLOURS, strict=False):
+        points = [point for name in names for point in rows[name]]
+        if len(groups) == 1:
+            ax.plot(*np.transpose(points), mark, color=colour, fillstyle="none", label="_")
+            label, points = "_", [each[-1] for each in rows.values()]
+            others = [(name, points, colour) for name in groups]
+        ax.plot(*np.transpose(points), mark, color=colour, label=label)
+    ends = ax.get_xlim()
+    ax.plot(ends, ends, ":", color=GREY, label="as great as stated")
+    ax.set_xlim(ends)
     return others
 
 

@@ -33,15 +33,15 @@ export function askAnew(n) {
   const answer = work.answers[QUESTIONS[n].name];
   if (answer) answer.shown = false;
   keep();
-  showQuestion(n);
+  showQuestion(n, state);
 }
 
-// Show a question, with its answer if that has been revealed.
-function showQuestion(n) {
+// Show a question, with its answer if that has been revealed. `own`: how the picture and the diagram are drawn.
+function showQuestion(n, own = session.explored ?? OPENING) {
   endGlide();
   drawnQuestion = null;
   session.drawn = null;
-  change({ ...pick(session.explored ?? OPENING, "diagram", ...SWITCHES), ...(isRevealed(n) ? end(QUESTIONS[n]) : QUESTIONS[n].before), ...pick(state, ...LOOKER), question: n });
+  change({ ...pick(own, "diagram", ...SWITCHES), ...(isRevealed(n) ? end(QUESTIONS[n]) : QUESTIONS[n].before), ...pick(state, ...LOOKER), question: n });
 }
 
 let refused = "";  // why what was typed is no answer
@@ -75,7 +75,7 @@ function keepOwn({ own, name }) {
 // A challenge is done when the settings rest where its goal is.
 let resting = 0;
 function notice(question) {
-  const holds = () => question?.goal && question === QUESTIONS[state.question] && isAsked() && question.goal();
+  const holds = () => question?.goal && !player.playing && question === QUESTIONS[state.question] && isAsked() && question.goal();
   clearTimeout(resting);
   if (holds()) resting = setTimeout(() => {
     if (!holds()) return;
@@ -326,7 +326,7 @@ $("votes").addEventListener("keydown", (event) => event.key === "Enter" && event
 
 // What a class has voted and answered: a row for each choice, or for the number that was typed.
 export function answersTable() {
-  const head = ["name", "question", "answer", "right", "votes", "votes_2", "predicted", "first_try"];
+  const head = ["question", "text", "answer", "right_answer", "votes", "votes_again", "predicted", "right_at_first"];
   const rows = worked().flatMap((question) => {
     const { first, given } = work.answers[question.name] ?? {}, [votes = [], again = []] = work.votes[question.name] ?? [];
     const row = (text, k, made) => [question.name, ask(question), text, Number(isRight(question, k)), votes[k], again[k], Number(made), made && first !== null ? Number(first) : undefined];

@@ -225,9 +225,11 @@ export function showInputs(now) {
   $("level").checked = !simple;
   $("best-focus").checked = state.focus === "best";
   const main = mainSlider();
-  for (const name of Object.keys(SLIDERS)) $(`row-${name}`).classList.toggle("main", name === main);
-  // Present shows one slider, and none beside a question
-  $("alpha-now").hidden = !document.body.classList.contains("present") || !usesAlpha(state.sheet) || (!asking && main === "alpha");
+  const hasSlider = !(state.large && state.light === "prism");  // a prism alone has no distances
+  for (const name of Object.keys(SLIDERS)) $(`row-${name}`).classList.toggle("main", name === main && hasSlider);
+  // Present shows one slider, and none beside a question, which can be about another alpha than that of its picture
+  const isOther = isAsked() && (QUESTIONS[state.question].after.alpha ?? state.alpha) !== state.alpha;
+  $("alpha-now").hidden = !document.body.classList.contains("present") || !usesAlpha(state.sheet) || isOther || (!asking && main === "alpha");
   $("alpha-now").textContent = `α = ${fixed(state.alpha, 1)}°`;
   $("play").classList.toggle("of-other", player.preset.parameter !== main);
   $("row-prisms").hidden = (now.beyond || simple) && !now.glass;

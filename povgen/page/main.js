@@ -126,7 +126,7 @@ addEventListener("popstate", () => {
   if (state.question < 0) session.explored = { ...state };
   chooseUsual();  // unless the address has another
   fromHash(location.hash);
-  locate();
+  locate(location.hash);
   [kept, keptChoice] = [toHash(), chosen()];
   refresh();
 });
@@ -145,5 +145,5 @@ view.ready.then(() => {
 });
 const left = isReloaded && inTab("tour");
 if (left) tour.start(...JSON.parse(left));
-else if (document.body.classList.contains("begins") && !document.body.classList.contains("present")) tour.start();
+else if (document.body.classList.contains("begins")) tour.start();
 refresh();

@@ -170,7 +170,11 @@ for (const name of SLIDERS) {
   });
 }
 on("rooms-window", "change", () => {});
-on("rooms-reset", "click", () => (session.moved = {}));
+on("rooms-reset", "click", () => {
+  session.moved = {};
+  $("rooms-eye").textContent = say("rooms.eye_is", { place: place(room.eye) });
+  $("rooms-choice").focus();  // the button has nothing to do now
+});
 
 // ---- What is said ----
 

@@ -30,10 +30,13 @@ const hashOf = (setting) => `#${new URLSearchParams({ ...setting, ...lasting() }
 /** @type {any[]} */
 const steppers = [...$("lesson").querySelectorAll("button")];
 let at = Number(inTab("lesson") || -1);  // the one that was opened last
+/** @type {any} */
+let linked = null;                       // a setting beside the lesson, which a link has opened since
 
 // A setting is opened by its link, or by the buttons of Present. Its question is asked anew.
 function opens(setting) {
   at = SLIDES.findIndex((each) => hashOf(each.setting) === hashOf(setting));
+  linked = null;
   inTab("lesson", String(at));
   if (work.answers[setting.question]) work.answers[setting.question].shown = false;
   keep();
@@ -53,10 +56,11 @@ const stepTo = ({ value }) => SLIDES[value < 0 && SLIDES[at] && !isShown(SLIDES[
 
 // Where Present is in the lesson: what is shown there, and which slider. The last number of a setting is what it is about.
 export function drawPlace() {
-  const slide = document.body.classList.contains("present") ? SLIDES[at] : undefined, shown = Boolean(slide) && isShown(slide.setting);
-  const { question, sheet = OPENING.sheet } = slide?.setting ?? {};
+  const isOn = document.body.classList.contains("present"), slide = isOn && !linked ? SLIDES[at] : undefined, shown = Boolean(slide) && isShown(slide.setting);
+  const { question, sheet = OPENING.sheet, ...numbers } = (isOn && (linked ?? slide?.setting)) || {};
   document.body.classList.toggle("stepping", shown);
-  session.about = slide && !question && sheet === state.sheet ? Object.keys(slide.setting).findLast((name) => name in SYMBOL) ?? "" : "";
+  session.about = !question && sheet === state.sheet ? Object.keys(numbers).findLast((name) => $(`slider-${name}`)) ?? "" : "";
+  document.body.dataset.about = session.about;
   $("lesson-name").hidden = !slide || question || state.question >= 0;
   $("lesson-name").style.visibility = isToBeFound() ? "hidden" : "";  // it keeps its room
   $("lesson-name").classList.toggle("changed", !shown);
@@ -120,7 +124,7 @@ const blank = (label) => element("span", { className: "blank", innerHTML: marked
 
 // The first page asks, with the empty window, and the second one, which shows what the page shows, would answer.
 async function drawTasks({ steps }) {
-  const questions = steps.flatMap(({ asks }) => asks).map(asked);
+  const own = QUESTIONS.filter((question) => question.own), questions = own.length ? own : steps.flatMap(({ asks }) => asks).map(asked);
   const tasks = questions.map((question) => {
     const boxes = (choices(question) ?? ["……"]).map((choice) => element("span", { textContent: `☐ ${choice}` }));
     return element("li", {}, element("p", { textContent: unbroken(ask(question)) }), element("p", { className: "boxes" }, ...boxes));
@@ -156,15 +160,21 @@ function lead(button) {
   location.hash = hashOf(setting);
 }
 for (const button of steppers) button.addEventListener("click", () => lead(button));
-// Where the page is in the lesson, also if an address has led there.
-export function locate() {
-  if (!SLIDES[at] || !isShown(SLIDES[at].setting)) at = SLIDES.findIndex(({ setting }) => isShown(setting));
+// Where the page is in the lesson, also if an address has led there. One that is not of the lesson keeps its place. If the page has
+// not written this address itself, with all numbers, it says which number it is about.
+export function locate(address = "") {
+  const found = SLIDES[at] && isShown(SLIDES[at].setting) ? at : SLIDES.findIndex(({ setting }) => isShown(setting));
+  const given = new URLSearchParams(address.slice(1));
+  linked = found < 0 && address ? (given.has("diagram") ? {} : Object.fromEntries(given)) : null;
+  if (found >= 0) at = found;
   inTab("lesson", String(at));
 }
 // The lesson begins with its first step: at once, if nothing has been set.
 on("present", "click", () => {
   locate();
-  if (at < 0 && isShown({})) lead(steppers[1]);
+  if (!isShown({})) return;
+  at = -1;
+  lead(steppers[1]);
 });
 // A presenter's remote control sends the first two keys. The others move what has the focus, if it can be moved.
 document.addEventListener("keydown", (event) => {

@@ -8,7 +8,7 @@ import { $, data } from "./data.js";
 import { angle, brief, briefly, entry, fixed, forms, listed, prismsText, quantity, say, SYMBOL, tilesText, timesText } from "./language.js";
 import { contents, frameDepth, outside, pupilBlur, unsure } from "./moment.js";
 import { absent, bare, doubt, imagePlace, lightWarnings, ofKind, placeSaid, poleSentence, thing, thingAt, turnedBy } from "./phrases.js";
-import { isAsked, QUESTIONS } from "./questions.js";
+import { ask, found, isAsked, QUESTIONS } from "./questions.js";
 import { isEmpty, kinds, RANGES, session, state, usesAlpha } from "./state.js";
 
 // Whether a class is to find what is seen: a question is asked, or it is to be measured.
@@ -29,7 +29,9 @@ export function heard(now) {
   if (limits.length) return [...limits, ...(session.refusals.length || isToBeFound() ? [] : [seen(now)])];
   const points = pointsSaid(now), isMoved = points !== heardPoints;
   heardPoints = points;
-  return [...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), explanation(now), points, ...(isMoved ? appears(now) : []), ...light];
+  const question = isAsked() && document.body.classList.contains("present") ? [ask(QUESTIONS[state.question])] : [];  // elsewhere it has the focus
+  const beside = state.compare === "off" || isToBeFound() ? [] : [`${ofKind(state.compare, "choice")}: ${found({ sheet: state.compare }, seen)}`];
+  return [...question, ...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), explanation(now), points, ...(isMoved ? appears(now) : []), ...light, ...beside];
 }
 
 const pointsSaid = ({ L, E }) => say("describe.points", { L: placeSaid(L), E: placeSaid(E) });

@@ -154,6 +154,10 @@ for (const button of document.querySelectorAll("[name=tour]")) button.addEventLi
 });
 $("tour-next").addEventListener("click", () => {
   tour.byHand = true;
+  if (tour.isLast) {  // a second click would start the movie whose button is then in this place
+    $("presets").inert = true;
+    setTimeout(() => ($("presets").inert = false), 700);
+  }
   tour.next();
 });
 $("tour-back").addEventListener("click", () => {
@@ -193,11 +197,15 @@ document.addEventListener("pointermove", ({ clientX, clientY }) => {
 document.addEventListener("keydown", (event) => {
   if (tour.step < 0) return;
   if (event.key === "Escape") tour.leave();
+  else if (/^Page(Up|Down)$/.test(event.key)) {  // a presenter's remote control
+    event.preventDefault();
+    $(event.key === "PageDown" ? "tour-next" : "tour-back").click();
+  }
   else if (event.key === "Tab" && !tour.asked) {  // it has begun by itself: it waits, and its buttons come first
     event.preventDefault();
     Object.assign(tour, { asked: true, paused: true });
     tour.draw();
     $("tour-pause").focus();
   } else if (shortcut(event)) tour.leave(true);
-  else if (/^(Arrow|Page|Home|End)/.test(event.key)) taken(event);
+  else if (/^(Arrow|Home|End)/.test(event.key)) taken(event);
 }, true);

@@ -110,7 +110,7 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
     for n, wrong, right, reason in (
         (1, 2, 0, "if the sheets turned the light clockwise. It turns by 15.0° only"),
         (5, "9 tiles", "12/2", "Too far: farther from the sheets than your eye"),
-        (6, "2.11", "2.1", "Less than that"),  # 2, within 0.1
+        (6, "2.11", "2.1", "It is smaller"),  # 2, within 0.1
     ):
         page.evaluate("(n) => { openQuestion(n); draw(); }", n)
         if n == 5:

@@ -110,15 +110,23 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     page.wait_for_function("povgen.questions.isAsked()")
     page.evaluate(changed)
     page.evaluate("document.getElementById('present').click()")
-    page.keyboard.press("PageDown")
-    expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))
+    page.keyboard.press("PageDown")  # the lesson goes on where it was
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+12/16"))
     page.evaluate("povgen.address.fromHash('#level=expert&alpha=60'); document.getElementById('present').click()")
-    expect(lesson).to_have_text(re.compile(r"Stunde\s+–/16"))  # what has been set stays
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+12/16"))  # what has been set stays
     page.wait_for_function("location.hash.includes('alpha=60')")
     page.evaluate("povgen.address.fromHash('#level=expert'); document.getElementById('present').click()")
     page.wait_for_function("povgen.state.state.sheet === 'none'")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))  # where nothing has been set, it begins
     page.evaluate("location.hash = 'question=near&language=de'")  # a link of docs/lesson.md
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+5/16"))
+    page.evaluate("location.hash = 'sheet=ideal&alpha=180&z1=1&language=de'")  # one beside the lesson keeps its place
+    page.wait_for_function("povgen.state.state.z1 === 1")
+    expect(page.locator("input[type=range]:visible")).to_have_id("slider-z1")
+    expect(page.locator("#lesson-name")).to_be_hidden()
+    expect(lesson).to_have_text(re.compile(r"Stunde\s+5/16"))
+    page.keyboard.press("ArrowLeft")  # back to it
+    page.wait_for_function("povgen.questions.isAsked()")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+5/16"))
     page.keyboard.press("ArrowLeft")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+4/16"))

@@ -127,7 +127,7 @@ def test_for_a_projector_nothing_is_covered_and_all_letters_are_large(page, lang
         for values, slider in (
             ({"alpha": 180, "light": "pencil", "large": True}, "alpha"),
             ({"sheet": "detailed", "position": True, "caption": True}, "alpha"),
-            ({"sheet": "single", "light": "prism", "large": True}, "z1"),
+            ({"sheet": "single", "light": "prism", "large": True}, None),
             ({"sheet": "lens", "level": "expert"}, "focal_length"),
             ({"question": 1, "large": True}, None),
         ):

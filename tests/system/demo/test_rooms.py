@@ -162,7 +162,7 @@ def test_a_faulty_file_is_refused_in_a_line(page, tmp_path):
     assert page.evaluate("[session.room, $('rooms-choice').value]") == ["two", "two"]
     expect(page.locator("#rooms-look")).to_contain_text("lean to opposite sides")
     page.locator("#rooms-alpha").fill("70")
-    expect(page.locator("#rooms-look")).to_contain_text("what is far appears turned by α")  # for all values
+    expect(page.locator("#rooms-look")).to_contain_text("what is far appears turned by the whole angle α")
     page.keyboard.press("Escape")
     expect(page.locator("#rooms")).to_be_hidden()
     page.evaluate("fromHash('#room=scrambledandcut'), draw()")

@@ -320,7 +320,7 @@ def test_questions_of_ones_own_are_a_link(page):
         page.get_by_role("button", name="Save CSV").click()
     name = page.evaluate(own)
     assert download.value.path().read_text("utf-8-sig").splitlines() == [
-        "student,name,question,answer,right,votes,votes_2,predicted,first_try",
+        "student,question,text,answer,right_answer,votes,votes_again,predicted,right_at_first",
         f'"Ada, 11b",{name},Which way <b>now</b>?,down & out,0,0,,0,',
         f'"Ada, 11b",{name},Which way <b>now</b>?,up,1,7,,1,1',
     ]
