@@ -177,7 +177,7 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
 
     It states the numbers and points that are not the same in all frames. If the angle by which an object appears turned
     changes, it states this too, and how large the object appears if this changes. With a side view, a number that
-    is only rounded to that of a frame in which all objects have an image is said to be `about` this.
+    is only rounded to that of a frame in which all objects have an image has the sign ~.
     """
     imaged = [
         not (side_view and any(np.isnan(scene.image_plane([L], z1)[0]) for L, z1 in scene.objects)) for scene in scenes
@@ -204,7 +204,7 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
             ]
             of_images = {text for text, has in zip(texts, imaged, strict=True) if has}
             texts = [
-                f"{'' if has or text not in of_images else 'about '}{text}{_in_each_window(scene, name)}"
+                f"{'' if has or text not in of_images else '~'}{text}{_in_each_window(scene, name)}"
                 for scene, text, has in zip(scenes, texts, imaged, strict=True)
             ]
             # a frame states nothing of a parameter that its own sheet does not have

@@ -393,10 +393,10 @@ def test_a_short_caption_says_what_moves(scenes, texts):
     assert [", ".join(filter(None, caption.texts)) for caption in found] == texts
 
 
-def test_a_number_rounded_to_that_of_a_frame_with_an_image_is_about_this():
+def test_a_number_rounded_to_that_of_a_frame_with_an_image_has_a_sign():
     """At a gap of 2 tiles the rays meet, and at 1.97 they do not, as the side view says."""
     scenes = [Chess(sheet="ideal", alpha=120, z2=8, z1=2, window=f"z={z},alpha=120") for z in (1, 1.97, 2, 4)]
-    for side_view, text in ((True, "windows about 2.0 tiles apart"), (False, "windows 2.0 tiles apart")):
+    for side_view, text in ((True, "windows ~2.0 tiles apart"), (False, "windows 2.0 tiles apart")):
         found = caption_texts.captions(scenes, Rendering(caption="short", side_view=side_view))
         assert [caption.texts[0] for caption in found[1:3]] == [text, "windows 2.0 tiles apart"]
 
