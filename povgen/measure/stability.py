@@ -39,7 +39,7 @@ MAPS = {made.name: made for made in (  # without rows
     StabilityMap(
         "grid", "(f) cells of the ideal camera", "error that povgen states (px)", "worst error (px)",
         limits.MAX_CAMERA_ERROR + RESOLUTION, "xy", is_estimate=True,
-        finding="(f) The ideal camera's error is about as great as stated (8 scenes, eye off the axis)",
+        finding="(f) Ideal camera, eye off the axis (8 scenes): error at most 1.2 times as great as stated",
         band=("right", limits.MAX_CAMERA_ERROR, "povgen takes finer cells"),
         groups={"": "solid: the cells\nthat povgen takes"},
     ),
@@ -321,7 +321,7 @@ def aliasing(counts: Sequence[int] = (12, 25, 50, 75, 100, 150, 300), size: Size
 def moire(
     products: Sequence[float] = (0, 100, 300, 500, 700, 800, 900, 1200), size: Size = SMALL
 ) -> Iterator[StabilityMap]:
-    """(h) Measure the contrast of the dark bands (moire) of nearly parallel sheets, against alpha times N.
+    """(h) Measure the contrast of the dark bands (moire) of nearly parallel ridges, against alpha times N.
 
     N is the number of prisms in a sheet, and alpha is in degrees. Nothing is rendered. For each block of 24x24 pixels,
     the ray trace gives the fraction of rays on the designed path. The contrast is the RMS difference of this fraction

@@ -44,7 +44,7 @@ class Check:
 
 SHORT_ALPHAS = (0, 35, 90, 180)
 # Ranges of |alpha|, degrees, each with the greatest ratio of the paraxial prediction's error to eq. 7's error. It is
-# large near alpha = 0: nearly parallel sheets show bands (moire), which the prediction ignores.
+# large near alpha = 0: nearly parallel ridges show bands (moire), which the prediction ignores.
 ALPHA_RANGES = (((0, 8), 0.5), ((8, 150), 0.1), ((150, 180), 0.4))
 BUILDS_WITH_ERRORS: dict[str, dict[str, Any]] = {  # of building
     "index and base angle": {"error": {"index": 0.1, "far_index": -0.05, "base_angle": 5, "far_base_angle": -3}},

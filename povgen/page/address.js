@@ -35,17 +35,13 @@ export const lasting = () => ({
 
 export function toHash() {
   const asked = QUESTIONS[state.question];
-  const own = settings();
-  if (session.room) {  // its link is short: of the page behind it, only what was changed
-    const moved = Object.entries(session.moved).map(([name, x]) => [name, short(x)]);
-    return hashOf({ room: session.room, ...Object.fromEntries(moved), ...parted(differing(USUAL, own)) });
-  }
   /** @type {Record<string, string>} */
-  const parts = asked?.own ? {} : own;  // a teacher's question has its own, and its link is short
+  const parts = asked?.own ? {} : settings();  // a teacher's question has its own, and its link is short
   if (!asked?.own && viewed() !== "corner") parts.view = viewed();
   if (asked) parts.question = asked.name;
   else if (session.measuring) parts.panel = "measure";
-  return hashOf(parts);
+  const moved = Object.entries(session.moved).map(([name, x]) => [name, short(x)]);
+  return hashOf(session.room ? { room: session.room, ...Object.fromEntries(moved), ...parts } : parts);
 }
 const viewed = () => Object.keys(CAMERAS).find((name) => String(CAMERAS[name]) === String(session.camera)) ?? "corner";
 const hashOf = (parts) => `#${Object.entries({ ...parts, ...lasting() }).map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}`;

@@ -228,7 +228,8 @@ export function showInputs(now) {
   const hasSlider = !(state.large && state.light === "prism");  // a prism alone has no distances
   for (const name of Object.keys(SLIDERS)) $(`row-${name}`).classList.toggle("main", name === main && hasSlider);
   // Present shows one slider, and none beside a question, which can be about another alpha than that of its picture
-  const isOther = isAsked() && (QUESTIONS[state.question].after.alpha ?? state.alpha) !== state.alpha;
+  const { goal, match, after = {} } = isAsked() ? QUESTIONS[state.question] : {};
+  const isOther = !goal && !match && (after.alpha ?? state.alpha) !== state.alpha;
   $("alpha-now").hidden = !document.body.classList.contains("present") || !usesAlpha(state.sheet) || isOther || (!asking && main === "alpha");
   $("alpha-now").textContent = `α = ${fixed(state.alpha, 1)}°`;
   $("play").classList.toggle("of-other", player.preset.parameter !== main);

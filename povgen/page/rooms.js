@@ -230,6 +230,6 @@ export function drawRoom() {
   $("rooms-reset").disabled = !Object.keys(session.moved).length;
   $("rooms-says").textContent = described(shown);
   const same = !own && Object.keys(session.moved).every((name) => name.startsWith("eye."));  // what is said does not hold for others
-  const turn = shown.windows.every(({ sheet }) => ["ideal", "detailed"].includes(sheet)) ? say("rooms.turns") : "";
+  const turn = shown.windows.length && shown.windows.every(({ sheet }) => ["ideal", "detailed"].includes(sheet)) ? say("rooms.turns") : "";
   $("rooms-look").textContent = same ? say(`rooms.look.${open}`) : turn;
 }

@@ -9,7 +9,7 @@ import { entry, marked, quantity, say, SETTINGS, SYMBOL, unbroken } from "./lang
 import { moment, otherScene } from "./moment.js";
 import { drawOther, overlayImage, view } from "./picture.js";
 import { ask, choices, found, MOMENTS, QUESTIONS } from "./questions.js";
-import { OPENING, session, START, state } from "./state.js";
+import { OPENING, partsShown, session, START, state, usesAlpha } from "./state.js";
 import { isToBeFound, settingSaid } from "./text.js";
 
 const asked = (name) => QUESTIONS.find((question) => question.name === name);
@@ -54,12 +54,18 @@ function isShown({ question, ...setting }) {
 // Where a button leads. What has been changed comes back first.
 const stepTo = ({ value }) => SLIDES[value < 0 && SLIDES[at] && !isShown(SLIDES[at].setting) ? at : at + Number(value)];
 
+// Whether a number has a slider that moves something now.
+function moves(name) {
+  const known = { alpha: usesAlpha(state.sheet), prisms: ["single", "detailed"].includes(state.sheet), z1: true, z2: true, ...(state.level === "simple" ? { pupil: false, focus: false } : {}) };
+  return Boolean($(`slider-${name}`)) && (known[name] ?? partsShown().includes(name));
+}
+
 // Where Present is in the lesson: what is shown there, and which slider. The last number of a setting is what it is about.
 export function drawPlace() {
   const isOn = document.body.classList.contains("present"), slide = isOn && !linked ? SLIDES[at] : undefined, shown = Boolean(slide) && isShown(slide.setting);
   const { question, sheet = OPENING.sheet, ...numbers } = (isOn && (linked ?? slide?.setting)) || {};
   document.body.classList.toggle("stepping", shown);
-  session.about = !question && sheet === state.sheet ? Object.keys(numbers).findLast((name) => $(`slider-${name}`)) ?? "" : "";
+  session.about = !question && sheet === state.sheet ? Object.keys(numbers).findLast(moves) ?? "" : "";
   document.body.dataset.about = session.about;
   $("lesson-name").hidden = !slide || question || state.question >= 0;
   $("lesson-name").style.visibility = isToBeFound() ? "hidden" : "";  // it keeps its room
@@ -163,10 +169,10 @@ for (const button of steppers) button.addEventListener("click", () => lead(butto
 // Where the page is in the lesson, also if an address has led there. One that is not of the lesson keeps its place. If the page has
 // not written this address itself, with all numbers, it says which number it is about.
 export function locate(address = "") {
-  const found = SLIDES[at] && isShown(SLIDES[at].setting) ? at : SLIDES.findIndex(({ setting }) => isShown(setting));
+  const place = SLIDES[at] && isShown(SLIDES[at].setting) ? at : SLIDES.findIndex(({ setting }) => isShown(setting));
   const given = new URLSearchParams(address.slice(1));
-  linked = found < 0 && address ? (given.has("diagram") ? {} : Object.fromEntries(given)) : null;
-  if (found >= 0) at = found;
+  linked = place < 0 && address ? (given.has("diagram") ? {} : Object.fromEntries(given)) : null;
+  if (place >= 0) at = place;
   inTab("lesson", String(at));
 }
 // The lesson begins with its first step: at once, if nothing has been set.

@@ -30,7 +30,7 @@ export function heard(now) {
   const points = pointsSaid(now), isMoved = points !== heardPoints;
   heardPoints = points;
   const question = isAsked() && document.body.classList.contains("present") ? [ask(QUESTIONS[state.question])] : [];  // elsewhere it has the focus
-  const beside = state.compare === "off" || isToBeFound() ? [] : [`${ofKind(state.compare, "choice")}: ${found({ sheet: state.compare }, seen)}`];
+  const beside = state.compare === "off" || isToBeFound() ? [] : [`${ofKind(state.compare, "choice")}: ${found({ sheet: state.compare, windows: 1, z1: now.z1 + (now.d || 0) }, seen)}`];
   return [...question, ...(QUESTIONS[state.question]?.says?.(now) ? [] : mountains(now)), explanation(now), points, ...(isMoved ? appears(now) : []), ...light, ...beside];
 }
 

@@ -196,11 +196,13 @@ document.addEventListener("pointermove", ({ clientX, clientY }) => {
 }, true);
 document.addEventListener("keydown", (event) => {
   if (tour.step < 0) return;
-  if (event.key === "Escape") tour.leave();
-  else if (/^Page(Up|Down)$/.test(event.key)) {  // a presenter's remote control
+  // a presenter's remote control; and the arrows, which lead through the lesson there
+  const isOn = document.body.classList.contains("present") && event.target.matches("body, button:not(.handle)");
+  const way = event.altKey || event.ctrlKey || event.metaKey ? "" : { PageUp: "back", PageDown: "next", ...(isOn ? { ArrowLeft: "back", ArrowRight: "next" } : {}) }[event.key];
+  if (way) {
     event.preventDefault();
-    $(event.key === "PageDown" ? "tour-next" : "tour-back").click();
-  }
+    $(`tour-${way}`).click();
+  } else if (event.key === "Escape") tour.leave();
   else if (event.key === "Tab" && !tour.asked) {  // it has begun by itself: it waits, and its buttons come first
     event.preventDefault();
     Object.assign(tour, { asked: true, paused: true });

@@ -202,10 +202,15 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
                 " to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else _word(scene, plain)
                 for scene, value in zip(scenes, values, strict=True)
             ]
-            of_images = {text for text, has in zip(texts, imaged, strict=True) if has}
+            exact = {(text, value) for text, value, has in zip(texts, values, imaged, strict=True) if has}
+            of_images = {text for text, _ in exact}
+            signs = [
+                "~" if text in of_images and not has and (text, value) not in exact else ""
+                for text, value, has in zip(texts, values, imaged, strict=True)
+            ]
             texts = [
-                f"{'' if has or text not in of_images else '~'}{text}{_in_each_window(scene, name)}"
-                for scene, text, has in zip(scenes, texts, imaged, strict=True)
+                f"{sign}{text}{_in_each_window(scene, name)}"
+                for scene, text, sign in zip(scenes, texts, signs, strict=True)
             ]
             # a frame states nothing of a parameter that its own sheet does not have
             lacks = [

@@ -399,6 +399,13 @@ def test_a_number_rounded_to_that_of_a_frame_with_an_image_has_a_sign():
     for side_view, text in ((True, "windows ~2.0 tiles apart"), (False, "windows 2.0 tiles apart")):
         found = caption_texts.captions(scenes, Rendering(caption="short", side_view=side_view))
         assert [caption.texts[0] for caption in found[1:3]] == [text, "windows 2.0 tiles apart"]
+    # what is exact has no sign: other numbers decide where the rays meet
+    scenes = [
+        Chess(sheet="ideal", alpha=alpha, z2=8, z1=2, window=f"z={z},alpha=120")
+        for alpha, z in ((120, 2), (120, 3), (100, 2), (110, 4))
+    ]
+    found = caption_texts.captions(scenes, Rendering(caption="short", side_view=True))
+    assert not [text for caption in found for text in caption.texts if "~" in text]
 
 
 def rows_of(monkeypatch, items, width, height=240):

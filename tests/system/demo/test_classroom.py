@@ -145,6 +145,11 @@ def test_a_verdict_stays_and_try_again_asks_anew(page):
     page.evaluate("openQuestion(4); draw()")
     predict(0)
     expect(page.get_by_role("status").filter(has_text="1 of 4 right at the first try")).to_be_visible()
+    # as the lesson does, after the light was shown in place of the picture
+    page.evaluate("session.explored = { ...OPENING, large: true }; fromHash('#question=parallax'); draw()")
+    predict(0)
+    page.get_by_role("button", name="Try again").click()
+    assert page.evaluate("[state.large, isAsked()]") == [False, True]
 
 
 def test_no_sentence_gives_an_answer_away_or_contradicts_it(page):
@@ -253,3 +258,10 @@ def test_present_says_alpha_where_no_slider_does(page):
     expect(page.locator("#alpha-now")).to_be_visible()
     page.evaluate("player.preset = data.presets[0]; draw()")
     expect(page.locator("#alpha-now")).to_be_hidden()
+    for question, visible in {
+        "parallax": True,
+        "near": False,
+        "quarter": True,
+    }.items():  # "near" asks about another one
+        page.evaluate("(question) => { fromHash(`#question=${question}`); draw(); }", question)
+        expect(page.locator("#alpha-now")).to_be_visible(visible=visible)

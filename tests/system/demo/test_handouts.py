@@ -120,7 +120,9 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))  # where nothing has been set, it begins
     page.evaluate("location.hash = 'question=near&language=de'")  # a link of docs/lesson.md
     expect(lesson).to_have_text(re.compile(r"Stunde\s+5/16"))
-    page.evaluate("location.hash = 'sheet=ideal&alpha=180&z1=1&language=de'")  # one beside the lesson keeps its place
+    page.evaluate(
+        "location.hash = 'sheet=ideal&alpha=180&z1=1&prisms=12&language=de'"
+    )  # one beside the lesson keeps its place
     page.wait_for_function("povgen.state.state.z1 === 1")
     expect(page.locator("input[type=range]:visible")).to_have_id("slider-z1")
     expect(page.locator("#lesson-name")).to_be_hidden()
@@ -170,11 +172,14 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     assert page.locator("#tasks").is_hidden()
     page.emulate_media(media="screen")
     page.evaluate("povgen.state.change({ sheet: 'single', z1: 12, scene: 'spheres' }); window.printed = false")
+    own = "{ own: { ask: 'a?', why: '', choices: ['b', 'c'] }, before: povgen.state.OPENING, after: {} }"
+    page.evaluate(f"povgen.questions.setOwn([{own}])")
     page.get_by_role("button", name="Für Lehrkräfte").click()
     panel.get_by_role("button", name="Aufgabenblatt drucken").click()
     page.wait_for_function("window.printed")
     page.emulate_media(media="print")
     assert page.locator(".measured:visible").count() == 0  # it has no angle
+    expect(page.locator("#tasks li")).to_have_text(["a?☐ b☐ c"])
     assert abs(task("asks") - free).mean() < 1 < abs(task("free") - free).mean()  # it asks, whatever the page shows
     page.close()
 

@@ -163,6 +163,11 @@ def test_a_faulty_file_is_refused_in_a_line(page, tmp_path):
     expect(page.locator("#rooms-look")).to_contain_text("lean to opposite sides")
     page.locator("#rooms-alpha").fill("70")
     expect(page.locator("#rooms-look")).to_contain_text("what is far appears turned by the whole angle α")
+    page.locator("#rooms-reset").press("Enter")
+    expect(page.locator("#rooms-choice")).to_be_focused()  # the button has nothing to do now
+    expect(page.locator("#rooms-look")).to_contain_text("lean to opposite sides")
+    choose(page, tmp_path, '[[object]]\nkind = "sphere"')
+    expect(page.locator("#rooms-look")).to_be_empty()  # there is no window
     page.keyboard.press("Escape")
     expect(page.locator("#rooms")).to_be_hidden()
     page.evaluate("fromHash('#room=scrambledandcut'), draw()")

@@ -70,6 +70,20 @@ def test_it_begins_by_itself_and_waits_for_who_uses_the_keyboard(browser, demo_f
     page.close()
 
 
+def test_it_begins_for_a_projector_too_and_a_remote_control_leads_on(browser, demo_file):
+    page = browser.new_page(reduced_motion="no-preference")
+    page.goto(f"{demo_file.as_uri()}#sheet=none")
+    page.evaluate("povgen.look.present(true)")
+    page.goto(demo_file.as_uri())
+    for key, step in (("PageDown", 0), ("PageDown", 1), ("PageUp", 0)):
+        page.wait_for_function("povgen.tour.tour.step >= 0")
+        page.keyboard.press(key)
+        assert page.evaluate("[povgen.tour.tour.step, povgen.tour.tour.intro]") == [step, False]
+    expect(page.locator("#leave")).to_be_visible()
+    expect(page.locator("#tour-text")).to_be_visible()
+    page.close()
+
+
 def test_it_does_not_begin_for_who_has_begun(browser, demo_file):
     """Before the picture is ready. It is when the piece that it shows has been read, not all."""
     begin = "$('tab-measure').click(); window.poster = getComputedStyle($('poster')).display"

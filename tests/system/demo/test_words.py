@@ -83,6 +83,8 @@ def test_a_screen_reader_hears_new_numbers_when_they_rest(page):
             "^The object L is .*, the eye E 0.05 tiles to the right .*. Seen in the window, L is .* down from .*$"
         )
     )
+    show(page, compare="none")
+    expect(spoken).to_have_text("no sheet: Nothing is in the window: the knight is seen as it is.")
     field = page.locator("#number-alpha")
     field.fill("abc")
     expect(field).to_have_attribute("aria-invalid", "true")
