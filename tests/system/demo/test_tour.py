@@ -81,6 +81,7 @@ def test_it_begins_for_a_projector_too_and_a_remote_control_leads_on(browser, de
         assert page.evaluate("[povgen.tour.tour.step, povgen.tour.tour.intro]") == [step, False]
     expect(page.locator("#leave")).to_be_visible()
     expect(page.locator("#tour-text")).to_be_visible()
+    expect(page.locator(".panel")).to_be_hidden()  # it has no room
     page.close()
 
 
