@@ -11,7 +11,7 @@ class Twist(Ideal):
     """Light is turned about the normal by alpha + twist R, where R is the distance from the window's centre."""
 
     name = "twist"
-    title = "rotation by an angle that grows from the centre"
+    title = "rotation by an angle that changes from the centre"
     does = "turns light by alpha at the centre, and by another angle outside"
     source = "this project"
     parameters = (
