@@ -202,16 +202,8 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
                 " to ".join(f"{x:z.{digits}f}" for x in value) + unit if value else _word(scene, plain)
                 for scene, value in zip(scenes, values, strict=True)
             ]
-            exact = {(text, value) for text, value, has in zip(texts, values, imaged, strict=True) if has}
-            of_images = {text for text, _ in exact}
-            signs = [
-                "~" if text in of_images and not has and (text, value) not in exact else ""
-                for text, value, has in zip(texts, values, imaged, strict=True)
-            ]
-            texts = [
-                f"{sign}{text}{_in_each_window(scene, name)}"
-                for scene, text, sign in zip(scenes, texts, signs, strict=True)
-            ]
+            texts = _signed(texts, values, imaged)
+            texts = [text + _in_each_window(scene, name) for scene, text in zip(scenes, texts, strict=True)]
             # a frame states nothing of a parameter that its own sheet does not have
             lacks = [
                 plain in PARAMETERS and (name not in own if name == plain else not value)
@@ -235,6 +227,16 @@ def _moving(scenes: Sequence[AxialScene], side_view: bool = False) -> list[list[
             texts = [f"{text}, magnified {size} times" for text, size in zip(texts, times, strict=True)]
         found.append(texts)
     return [[*texts] for texts in zip(*found, strict=True)] if found else [[] for _ in scenes]
+
+
+def _signed(texts: Sequence[str], values: Sequence[tuple[float, ...]], imaged: Sequence[bool]) -> list[str]:
+    """Return the texts of rounded values, with ~ where only rounding makes one that of a frame with an image."""
+    exact = {(text, value) for text, value, has in zip(texts, values, imaged, strict=True) if has}
+    rounded = {text for text, _ in exact}
+    return [
+        f"~{text}" if text in rounded and not has and (text, value) not in exact else text
+        for text, value, has in zip(texts, values, imaged, strict=True)
+    ]
 
 
 def _word(scene: Scene, name: str) -> str:
