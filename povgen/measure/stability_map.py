@@ -154,27 +154,31 @@ def _grouped(measured: StabilityMap, names: Iterable[str]) -> dict[str, list[str
     return groups
 
 
+def _by_series(measured: StabilityMap) -> dict[str, list[tuple[float, float]]]:
+    """Return the x and y of each series, in the order of the measurements."""
+    rows: dict[str, list[tuple[float, float]]] = {}
+    for name, x, y in measured.rows:
+        rows.setdefault(name, []).append((x, y))
+    return rows
+
+
 def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
-    """Draw the points of each group, and where y is as great as its estimate x. Return what else to name.
+    """Draw the points of each group, and where y is as great as its estimate x. Nothing else is to be named.
 
     Of a single group, the last point of each series is solid.
     """
-    rows: dict[str, list[tuple[float, float]]] = {}
-    for name, *point in measured.rows:
-        rows.setdefault(name, []).append((point[0], point[1]))
+    rows = _by_series(measured)
     groups = _grouped(measured, rows)
-    others: list[Named] = []
     for (label, names), mark, colour in zip(groups.items(), MARKS, COLOURS, strict=False):
         points = [point for name in names for point in rows[name]]
         if len(groups) == 1:
             ax.plot(*np.transpose(points), mark, color=colour, fillstyle="none", label="_")
-            label, points = "_", [each[-1] for each in rows.values()]
-            others = [(name, points, colour) for name in groups]
+            points = [each[-1] for each in rows.values()]
         ax.plot(*np.transpose(points), mark, color=colour, label=label)
     ends = ax.get_xlim()
     ax.plot(ends, ends, ":", color=GREY, label="as great as stated")
     ax.set_xlim(ends)
-    return others
+    return []
 
 
 def _draw_lines(ax: Axes, measured: StabilityMap) -> list[Named]:
@@ -182,9 +186,7 @@ def _draw_lines(ax: Axes, measured: StabilityMap) -> list[Named]:
 
     Of more series than colours, SOME are drawn, whose last rows of `RENDERED` are spread evenly. The table has all.
     """
-    rows: dict[str, list[tuple[float, float]]] = {}
-    for name, *row in measured.rows:
-        rows.setdefault(name, []).append((row[0], row[1]))
+    rows = _by_series(measured)
     traced = [name for name in rows if not name.endswith(RENDERED)]
     if len(traced) > len(COLOURS):
         ax.set_title(f"{measured.finding} in these {len(traced)} scenes ({SOME} shown)")

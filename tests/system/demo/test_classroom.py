@@ -258,10 +258,7 @@ def test_present_says_alpha_where_no_slider_does(page):
     expect(page.locator("#alpha-now")).to_be_visible()
     page.evaluate("player.preset = data.presets[0]; draw()")
     expect(page.locator("#alpha-now")).to_be_hidden()
-    for question, visible in {
-        "parallax": True,
-        "near": False,
-        "quarter": True,
-    }.items():  # "near" asks about another one
+    # "near" asks about another one
+    for question, visible in {"parallax": True, "near": False, "quarter": True}.items():
         page.evaluate("(question) => { fromHash(`#question=${question}`); draw(); }", question)
         expect(page.locator("#alpha-now")).to_be_visible(visible=visible)

@@ -120,9 +120,8 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     expect(lesson).to_have_text(re.compile(r"Stunde\s+1/16"))  # where nothing has been set, it begins
     page.evaluate("location.hash = 'question=near&language=de'")  # a link of docs/lesson.md
     expect(lesson).to_have_text(re.compile(r"Stunde\s+5/16"))
-    page.evaluate(
-        "location.hash = 'sheet=ideal&alpha=180&z1=1&prisms=12&language=de'"
-    )  # one beside the lesson keeps its place
+    # one beside the lesson keeps its place
+    page.evaluate("location.hash = 'sheet=ideal&alpha=180&z1=1&prisms=12&language=de'")
     page.wait_for_function("povgen.state.state.z1 === 1")
     expect(page.locator("input[type=range]:visible")).to_have_id("slider-z1")
     expect(page.locator("#lesson-name")).to_be_hidden()
