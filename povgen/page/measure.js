@@ -114,8 +114,8 @@ const move = (name, to) => {
   refresh();
 };
 for (const name of Object.keys(points)) {
-  const button = $(`point-${name}`);
-  onDrag(button, (event) => {
+  const handle = $(`point-${name}`);
+  onDrag(handle, (event) => {
     event.stopPropagation();  // it is not the picture that is dragged
     const from = points[name], before = [placed, written];
     return (way) => {
@@ -123,7 +123,7 @@ for (const name of Object.keys(points)) {
       if (!abs(way)) [placed, written] = before;  // it is back where it was
     };
   });
-  onArrows(button, (step, { shiftKey }) => move(name, plus(points[name], scaled(shiftKey ? 0.1 : 0.01, step))));
+  onArrows(handle, (step, { shiftKey }) => move(name, plus(points[name], scaled(shiftKey ? 0.1 : 0.01, step))));
 }
 
 // ---- The table ----

@@ -197,7 +197,7 @@ document.addEventListener("pointermove", ({ clientX, clientY }) => {
 document.addEventListener("keydown", (event) => {
   if (tour.step < 0) return;
   // a presenter's remote control; and the arrows, which lead through the lesson there
-  const isOn = document.body.classList.contains("present") && event.target.matches("body, button:not(.handle)");
+  const isOn = document.body.classList.contains("present") && event.target.matches("body, button");
   const way = event.altKey || event.ctrlKey || event.metaKey ? "" : { PageUp: "back", PageDown: "next", ...(isOn ? { ArrowLeft: "back", ArrowRight: "next" } : {}) }[event.key];
   if (way) {
     event.preventDefault();

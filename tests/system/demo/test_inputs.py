@@ -264,6 +264,8 @@ def test_arrow_keys_move_eye_and_object(page):
     page.locator("#object-diagram").focus()
     page.keyboard.press("ArrowLeft")
     assert page.evaluate("[...state.E, state.L[0]]") == pytest.approx([0.05, 0.25, -0.05])
+    for handle in page.locator(".handle").all():
+        expect(handle).to_have_role("application")  # a screen reader gives it the arrow keys
     page.evaluate("draw()")
     expect(page.locator("#eye-picture")).to_have_attribute(
         "aria-label", "Eye E, 0.05 tiles to the right and 0.25 tiles up from the window’s middle: arrow keys move it"
