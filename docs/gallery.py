@@ -9,7 +9,7 @@ PAGE = PROJECT / "docs" / "gallery.md"
 WIDTH = 125  # characters of a line
 HEAD = """# Gallery
 
-Add a size and `-o FILE` to the commands.
+Add `-o FILE` to the commands.
 """
 # the last sections: what `make figures` renders, and the movies
 TAIL = """

@@ -101,7 +101,7 @@ WHITE = Chess(
     glass="N-SF11",
     wavelength="white",
 )
-POLARISED = Chess(prisms=250, background="white", floor="none", view=3.3, polariser=0, analyser=0)
+POLARISED = Chess(prisms=1000, background="white", floor="none", view=3.3, polariser=0, analyser=0)
 CROSSED = POLARISED.replace(analyser=90)
 
 
@@ -227,7 +227,7 @@ PANELS: dict[str, list[Panel]] = {
 OTHERS: dict[str, list[Panel]] = {
     "white": [
         Panel(
-            WHITE.replace(sheet="lenticular", lenses=500, f_number=6),
+            WHITE.replace(sheet="lenticular", lenses=1500, f_number=6),
             "white light through lenses: blurred, ghosts",
             names={
                 "ghost": (0.19 + 0.82j, -0.17 + 0.61j),
@@ -236,12 +236,14 @@ OTHERS: dict[str, list[Panel]] = {
             },
             magnify=-0.04 - 0.085j,
             size=TALL,
+            rays=2,
         ),
         Panel(
-            WHITE.replace(prisms=500, look=(0.25, -0.05)),
+            WHITE.replace(prisms=1500, look=(0.25, -0.05)),
             "through prisms: sharp",
             names={"stray light": (0.52 + 0.8j, 0.07 + 0.68j)},
             size=NARROW,
+            rays=2,
         ),
     ],
     "polarised": [
@@ -249,9 +251,9 @@ OTHERS: dict[str, list[Panel]] = {
             POLARISED,
             "parallel: 34 % of designed light passes",
             names={"stray light": (-0.95 + 0.5j, -0.52 + 1.1j)},
-            rays=2,
+            rays=3,
         ),
-        Panel(CROSSED, "crossed: 1.5 % of designed light passes", rays=2),
+        Panel(CROSSED, "crossed: 1.5 % of designed light passes", rays=3),
         Panel(
             CROSSED,
             "crossed, shown 6 × brighter",
@@ -260,7 +262,7 @@ OTHERS: dict[str, list[Panel]] = {
                 "stray light": (0.3 - 1.4j, -0.45 - 1.28j, 0.85 - 1.1j),
             },
             brighter=6,
-            rays=2,
+            rays=3,
         ),
     ],
     "pupil": [
