@@ -250,7 +250,7 @@ class Rendering(Sampling):
     )
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
         default=1800,
-        description="time limit for a frame, above 0 to 1e6 seconds",
+        description="time limit for a frame, above 0, to 1e6 seconds",
         exclude=True,  # no part of a file's record
     )
 
@@ -276,7 +276,7 @@ class Rendering(Sampling):
         "with red on the left, cyan on the right) or none (one eye)",
     )
     eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
-        default=0.2, description="distance between the two eyes of stereo, above 0 to 5 tiles; a movie cannot sweep it"
+        default=0.2, description="distance between the two eyes of stereo, above 0, to 5 tiles; a movie cannot sweep it"
     )
 
     @model_validator(mode="after")

@@ -41,7 +41,7 @@ PRISMS = (
     GAP,
     Parameter(
         "aspect",
-        "length of a prism; 1: just enough for all light along z; below 2; the least depends on index and base angle",
+        "length of a prism; 1: just enough for all light along z; below 2; its minimum depends on index and base angle",
         Prism.aspect,
         0,
         2,

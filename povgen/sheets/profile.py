@@ -99,7 +99,7 @@ class ProfileSheets(Layered):
 
     name = "profile"
     title = "sheets of any profile"
-    does = "does what the profile does"
+    does = "bends light by its cross-section"
     source = "this project"
     parameters = (
         ALPHA,

@@ -54,8 +54,8 @@ def test_the_docs_state_the_shares_of_the_default_scene(monkeypatch):
     default = quantities._shares(Chess())
     lost = (default.back, default.frame, default.unfinished)
     stated = re.search(
-        r"In the default scene (\d+) % are designed, (\d+) % stray and (\d+) % lost: (\d+) % come back, (\d+) % meet "
-        r"the frame, and (\d+) % meet more than 60 faces",
+        r"In the default scene ([\d.]+) % are designed, ([\d.]+) % stray and (\d+) % lost: (\d+) % come back, (\d+) % "
+        r"meet the frame, and (\d+) % meet more than 60 faces",
         words_of("sheets.md"),
     )
     measured = 100 * np.array([default.designed, default.stray, sum(lost), *lost])
