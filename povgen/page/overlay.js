@@ -163,7 +163,7 @@ export function dashedOutline(question, drawing) {
   if (question.match) return matching(question);
   if (!drawing) return null;
   const [degrees, size] = [Number($("draw-turn").value), 2 ** Number($("draw-size").value)];
-  const free = found(question.before, bare), drawn = { nu: radians(degrees), M: size * free, free };
+  const drawn = { nu: radians(degrees), M: size * found(question.before, bare) };
   for (const [id, text] of Object.entries({ turn: angle(drawn.nu), size: brief(size) })) {
     $(`drawn-${id}`).textContent = text;
     $(`draw-${id}`).setAttribute("aria-valuetext", text);
@@ -197,7 +197,7 @@ export function misfit(question) {
 // A drawing beside what is seen, in words.
 export function compared(drawn) {
   const { nu, M } = seenPiece();
-  return say("asking.drawn", { nu: angle(drawn.nu), M: brief(drawn.M / drawn.free), seen_nu: angle(nu), seen_M: brief(M / drawn.free) });
+  return say("asking.drawn", { nu: angle(drawn.nu), seen_nu: angle(nu), times: brief(M / drawn.M) });
 }
 
 // Where the outline shows a point at d from L: the picture is turned about E.

@@ -184,7 +184,9 @@ def test_a_prediction_is_drawn_and_compared(page):
     page.evaluate("openQuestion(1)")
     page.get_by_role("button", name="Predict by drawing").click()
     page.locator("#draw-turn").fill("40")
+    page.locator("#draw-size").fill("1")
     expect(page.locator("#drawn-turn")).to_have_text("40.0°")
+    expect(page.locator("#drawn-size")).to_have_text("2")
     expect(page.locator("#overlay .dashed:not(.halo)")).to_have_count(1)
     written = heard(page, "answer", "drawn-answer")
     page.evaluate("reveal(); draw()")
@@ -192,8 +194,9 @@ def test_a_prediction_is_drawn_and_compared(page):
     page.evaluate("draw(); draw()")
     answer, drawn = written()
     assert answer.startswith("Counter-clockwise.")
-    assert drawn.startswith("Your drawing was turned by 40.0°, and 1 times as large")
-    assert drawn.endswith("What is seen is turned by 15.0°, and 1.13 times as large.")
+    assert drawn == (
+        "Your drawing was turned by 40.0°. What is seen is turned by 15.0°, and 0.567 times as large as your drawing."
+    )
     page.evaluate("work.answers.sky = { given: null, first: null, shown: true }; fromHash('#question=sky'); draw()")
     expect(page.locator("#drawn-answer")).to_be_empty()  # nothing was drawn there
     page.evaluate("openQuestion(4); draw()")
