@@ -211,15 +211,16 @@ PANELS: dict[str, list[Panel]] = {
         )
     ],
     "lenticular": [
-        Panel(BUILT.replace(prisms=200), "Dove prisms, α = 66°: sharp"),
-        Panel(BUILT.replace(sheet="lenticular", lenses=200), "cylindrical lenses, f/3: blurred"),
+        Panel(BUILT.replace(prisms=1000), "Dove prisms, α = 66°: sharp", rays=2),
+        Panel(BUILT.replace(sheet="lenticular", lenses=1000), "cylindrical lenses, f/3: blurred", rays=2),
         Panel(
-            BUILT.replace(sheet="lenticular", lenses=200, f_number=6),
+            BUILT.replace(sheet="lenticular", lenses=1000, f_number=6),
             "lenses, f/6: sharper, but with ghosts",
             names={
                 "ghosts": (-0.75 + 0j, -0.62 + 0.6j, -0.58 - 0.55j),
-                "more ghosts": (0.57 + 0.12j, 0.6 + 0.5j, 0.65 - 0.75j),
+                "two more": (0.7 + 0.16j, 0.7 + 0.45j, 0.66 - 0.72j),
             },
+            rays=2,
         ),
     ],
 }
@@ -256,10 +257,10 @@ OTHERS: dict[str, list[Panel]] = {
         Panel(CROSSED, "crossed: 1.5 % of designed light passes", rays=3),
         Panel(
             CROSSED,
-            "crossed, shown 6 × brighter",
+            "crossed, 6 × brighter: mostly stray light",
             names={
-                "designed light": (-0.86 + 0.38j, -0.03 - 0.2j),
-                "stray light": (0.3 - 1.4j, -0.45 - 1.28j, 0.85 - 1.1j),
+                "designed light": (-0.92 - 0.25j, -0.13 - 0.4j),
+                "stray light": (0.3 - 1.4j, -0.45 - 1.28j, 0.08 - 0.97j, 0.85 - 1.1j),
             },
             brighter=6,
             rays=3,

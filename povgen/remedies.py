@@ -4,6 +4,7 @@ import json
 import os
 import shlex
 import shutil
+import sys
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -37,12 +38,18 @@ def system(what: str) -> str:
     return f"on Debian: apt-get install {PACKAGES['apt-get'][what]}"
 
 
+def pip() -> str:
+    """Return the pip of the Python that runs povgen, as a shell calls it."""
+    is_found = Path(shutil.which("pip") or "").parent == Path(sys.executable).parent
+    return "pip" if is_found else f"{shlex.quote(sys.executable)} -m pip"
+
+
 def extra(name: str) -> str:
     """Return the command that installs an extra of povgen: from the checkout that it runs in or was installed from."""
     if (CHECKOUT / "pyproject.toml").exists():
-        return f"pip install -e {shlex.quote(f'{CHECKOUT}[{name}]')}"
+        return f"{pip()} install -e {shlex.quote(f'{CHECKOUT}[{name}]')}"
     source = "povgen"
     for file in CHECKOUT.glob("povgen-*.dist-info/direct_url.json"):
         origin = urlsplit(json.loads(file.read_text())["url"])
         source = unquote(origin.path) if origin.scheme == "file" else source
-    return f"pip install {shlex.quote(f'{source}[{name}]')}"
+    return f"{pip()} install {shlex.quote(f'{source}[{name}]')}"

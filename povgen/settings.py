@@ -203,11 +203,11 @@ class Print(Model):
     """How a chart or a figure is written to a file."""
 
     dpi: Annotated[float, Field(ge=50, le=1200)] | None = Field(
-        default=None, description="dots an inch of a PNG file, and of pictures in other files, 50 to 1200"
+        default=None, description="of a chart: dots an inch of a PNG file, and of pictures in other files, 50 to 1200"
     )
     width: Annotated[float, Field(ge=40, le=300)] | None = Field(
         default=None,
-        description="the width on paper in millimetres, 40 to 300; text is scaled with the rest",
+        description="of a chart: the width on paper in millimetres, 40 to 300; text is scaled with the rest",
     )
 
 
@@ -250,7 +250,7 @@ class Rendering(Sampling):
     )
     timeout: Annotated[float, Field(gt=0, le=1e6)] = Field(
         default=1800,
-        description="time limit for a frame, above 0, to 1e6 seconds",
+        description="time limit for a frame, at most 1e6 seconds",
         exclude=True,  # no part of a file's record
     )
 
@@ -276,7 +276,7 @@ class Rendering(Sampling):
         "with red on the left, cyan on the right) or none (one eye)",
     )
     eye_distance: Annotated[float, Field(gt=0, le=5)] = Field(
-        default=0.2, description="distance between the two eyes of stereo, above 0, to 5 tiles; a movie cannot sweep it"
+        default=0.2, description="distance between the two eyes of stereo, at most 5 tiles; a movie cannot sweep it"
     )
 
     @model_validator(mode="after")

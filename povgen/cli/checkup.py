@@ -113,7 +113,7 @@ PARTS = (
     Part(
         "renderer gl",  # POV-Ray does not need it
         lambda: gl_runner.device(),
-        "reinstall it: pip install --force-reinstall moderngl; update the graphics driver",
+        f"reinstall it: {remedies.pip()} install --force-reinstall moderngl; update the graphics driver",
         optional=True,
     ),
     Part("encoder", _encode, f"unset IMAGEIO_FFMPEG_EXE, or install ffmpeg: {encode.REMEDY}", ("temporary files",)),

@@ -172,8 +172,8 @@ def _check_places(scene: EyeAndWindows) -> None:
             )
     if any(sheet.layers for sheet in scene.sheets[: len(scene.ideal)]):
         raise ValueError(
-            "window: prisms or lenses before an ideal sheet, or before an empty window: POV-Ray's camera simulates "
-            "these, in front of all prisms; allowed: prisms and lenses in the last windows"
+            "window: prisms or lenses stand in front of an ideal sheet or an empty window; allowed: prisms and lenses "
+            "in the last windows, or a room"
         )
 
 

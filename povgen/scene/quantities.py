@@ -241,9 +241,9 @@ def _visible(scene: Scene) -> Booleans:
 
 
 def _uncertainty(scene: AxialScene) -> float:
-    """Return the possible error of the predicted position; near the pole it is large, at infinity infinite."""
+    """Return the possible error of the predicted position; at infinity infinite, or NaN for ideal sheets."""
     if not scene.has_prisms:
-        return 0.0
+        return 0.0 if np.isfinite(_position(scene)) else np.nan
     (L, z1), radius = scene.objects[0], scene.radii[0]
     P = complex(scene.apparent_position(L, z1, near=radius))
     return uncertainty.possible_error(P, scene.E, z1, radius, scene.elements)

@@ -361,7 +361,7 @@ def _unit(name: str) -> str:
 
 
 def facts(scene: AxialScene) -> dict[str, str]:
-    """Return what a full caption states, as text by name: the sheets' parameters, z1, z2, r, nu and M.
+    """Return what a full caption states, as text by name: the sheets' parameters, z1, z2, r, nu, M and N.
 
     nu and M are there if the sheets only rotate light. r is there for one window with such a sheet, with the sheet
     `single` or without a sheet. Windows in series have their z instead. A glass that is named adds n. For several
@@ -382,6 +382,8 @@ def facts(scene: AxialScene) -> dict[str, str]:
         texts = {**_values(scene), **texts, "nu": _range(nu, ".1f", "°"), "M": _range(M)}
     if other:
         texts = {**_values(scene), **texts}
+    if scene.layered:
+        texts["N"] = ", ".join(dict.fromkeys(str(sheet.values[sheet.counted]) for sheet in scene.layered))
     glasses = [sheet.values for sheet in scene.layered if sheet.values.get("glass", "none") != "none"]
     if glasses:
         light = "in white light" if isinstance(scene.wavelength, str) else f"at {scene.wavelength:.1f} nm"

@@ -31,7 +31,7 @@ BT709 = (
     f"{EVEN}:out_color_matrix=bt709:out_range=tv,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv"
 )
-REMEDY = f"pip install --force-reinstall imageio-ffmpeg, or {remedies.system('ffmpeg')}"
+REMEDY = f"{remedies.pip()} install --force-reinstall imageio-ffmpeg, or {remedies.system('ffmpeg')}"
 NEED_NO_FFMPEG = ".gif, frames/%04d.png"
 REC709 = 0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329  # x and y of red, green, blue and white: those of sRGB
 FASTEST_GIF = 50  # frames a second; browsers show faster GIFs more slowly

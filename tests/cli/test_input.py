@@ -376,7 +376,7 @@ def test_without_an_extra(arguments, extra, tmp_path, monkeypatch):
         package, _, module = name.rpartition(".")
         monkeypatch.delattr(sys.modules[package], module, raising=False)
     message = refused(arguments, tmp_path)
-    assert f"with {extra}, which is not installed: pip install -e {remedies.CHECKOUT}[" in message.replace(
+    assert f"with {extra}, which is not installed: {remedies.pip()} install -e {remedies.CHECKOUT}[" in message.replace(
         "'", ""
     ) and not list(tmp_path.iterdir())
 

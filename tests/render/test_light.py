@@ -10,7 +10,7 @@ import pytest
 from conftest import povgen, refused
 from PIL import Image
 
-from povgen import Chess, InputError, PovrayError, Rendering, Spheres, info, movie, render, save, show
+from povgen import Chess, InputError, PovrayError, Rendering, Spheres, info, movie, remedies, render, save, show
 from povgen.inputs import hdr
 from povgen.rendering import cache, light, povray
 from povgen.rendering.frames import is_whole, render_all
@@ -143,7 +143,7 @@ def test_what_does_not_go_together(tmp_path):
 def test_without_the_library(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
     for arguments in (["-o", "a.exr"], ["--bits", "16"], ["-o", "a.exr", "--renderer", "gl"]):
-        assert "bits: EXR files need OpenEXR, which is not installed: pip install " in refused(
+        assert f"bits: EXR files need OpenEXR, which is not installed: {remedies.pip()} install " in refused(
             ["frame", "chess", *arguments], tmp_path
         )
     assert render(SCENE, linear=True, renderer="gl", **OFF).max() > 1  # needs no EXR file

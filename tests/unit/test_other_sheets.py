@@ -244,7 +244,7 @@ def test_a_small_circle_of_light_is_not_missed():
     ("values", "words"),
     [
         ({"sheet": "axis", "axis": (0, 0, 0)}, "axis = (0, 0, 0): too short"),
-        ({"window": "z=2,sheet=lens"}, "window: prisms or lenses before an ideal sheet"),
+        ({"window": "z=2,sheet=lens"}, "window: prisms or lenses stand in front of an ideal sheet"),
         ({"sheet": "lens", "focal_length": 0.05}, "focal_length = 0.05: too close to 0"),
         ({"sheet": "axis", "predicted_image": True}, "the prediction is for two sheets, but sheet = 'axis'"),
     ],

@@ -1,6 +1,7 @@
 """How to install what is missing."""
 
 import shlex
+import sys
 
 import pytest
 
@@ -37,9 +38,13 @@ def test_the_command_is_of_this_system(found, povray, gl, programs):
 
 
 def test_an_extra_is_installed_from_where_povgen_is(tmp_path, monkeypatch):
-    assert shlex.split(remedies.extra("gl")) == ["pip", "install", "-e", f"{CHECKOUT}[gl]"]
+    monkeypatch.setenv("PATH", str(tmp_path))  # no environment is active
+    pip = [sys.executable, "-m", "pip"]
+    assert shlex.split(remedies.extra("gl")) == [*pip, "install", "-e", f"{CHECKOUT}[gl]"]
     monkeypatch.setattr(remedies, "CHECKOUT", tmp_path)  # as a wheel's, which has no pyproject.toml beside it
-    assert remedies.extra("gl") == "pip install 'povgen[gl]'"
+    assert shlex.split(remedies.extra("gl")) == [*pip, "install", "povgen[gl]"]
     (tmp_path / "povgen-1.dist-info").mkdir()  # of a folder
     (tmp_path / "povgen-1.dist-info" / "direct_url.json").write_text('{"dir_info": {}, "url": "file:///a%20folder"}')
+    (tmp_path / "pip").touch(mode=0o755)
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))  # its environment is active
     assert shlex.split(remedies.extra("gl")) == ["pip", "install", "/a folder[gl]"]

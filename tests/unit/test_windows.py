@@ -63,7 +63,7 @@ def test_windows_have_parameters_of_their_own():
             {"window": "z=90,index=4,base_angle=75,aspect=1.9,prisms=1", "aperture": 9, "z2": 100},
             "window 2, prisms = 1: with this shape of the prisms",
         ),
-        ({"window": "alpha=1,z=2,sheet=ideal"}, "window: prisms or lenses before an ideal sheet"),
+        ({"window": "alpha=1,z=2,sheet=ideal"}, "window: prisms or lenses stand in front of an ideal sheet"),
         ({"sheet": "ideal", "window": "z=90", "z1": 4950}, "z1 = 4950: beyond POV-Ray's range behind z = 90; allowed"),
     ],
 )
