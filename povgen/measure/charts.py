@@ -19,7 +19,7 @@ from povgen.measure.plotting import (
     withStroke,
 )
 from povgen.measure.speed import SIZES, Point
-from povgen.measure.tolerance import Change, percentile
+from povgen.measure.tolerance import SHOWN, Change, percentile
 from povgen.settings import AS_DRAWN, QUALITIES, Print, Rendering
 from povgen.sheets.prisms import ERRORS
 
@@ -113,32 +113,34 @@ WHAT = {  # for each error, what is wrong
     "facets": "each facet turned",
     "pitches": "each prism's height wrong, as a part of it",
 }
-EFFECTS = {"displaced": "arcminutes", "turned": "degrees"}  # what is drawn of a `Change`, and its unit
+# what is drawn of a `Change`, its unit, and the least that is told apart from 0: smaller values change with the rays
+EFFECTS = {"displaced": ("arcminutes", 0.03), "turned": ("degrees", 0.02)}
 
 
 def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed: Print = AS_DRAWN) -> None:
     """Write a chart of how far each error alone displaces and turns the object, and a table beside it, as .csv.
 
-    `sensitivities` are those that `tolerance.sensitivities` returns. The errors drawn are 1 degree, 0.01 tiles, and
-    0.01 for an index.
+    `sensitivities` are those that `tolerance.sensitivities` returns. The errors drawn are `tolerance.SHOWN`.
+    Values that are not told apart from 0 have an open mark.
     """
-    # a tile, or an index of 1, would be far too much
-    sizes = {name: 0.01 if ERRORS[name].unit in ("tiles", "") else 1.0 for name in sensitivities}
+    sizes = {name: SHOWN[name] for name in sensitivities}
     ordered = sorted(sizes, key=lambda name: abs(np.nan_to_num(sizes[name] * sensitivities[name].displaced)))
     table: list[tuple[object, ...]] = []
     with drawn(11.5, 4.8, path, printed=printed) as figure:
-        for ax, (field, unit) in zip(figure.subplots(1, 2, sharey=True), EFFECTS.items(), strict=True):
+        for ax, (field, (unit, least)) in zip(figure.subplots(1, 2, sharey=True), EFFECTS.items(), strict=True):
             values = {name: abs(size * float(getattr(sensitivities[name], field))) for name, size in sizes.items()}
             names = [f"{WHAT[name]} by {_with_unit(name, sizes[name])}" for name in ordered]
-            drawn_at = np.clip(np.nan_to_num([values[name] for name in ordered]), 1e-4, None)
-            ax.plot(drawn_at, names, "o", color=PRISMS, markersize=9)
+            drawn_at = np.clip(np.nan_to_num([values[name] for name in ordered]), least, None)
+            ax.plot(drawn_at, names, "o", color=PRISMS, markersize=9, fillstyle="none")
+            found = drawn_at > least
+            ax.plot(drawn_at[found], np.array(names)[found], "o", color=PRISMS, markersize=9)
             most = max(values, key=lambda name: np.nan_to_num(values[name]))
             texts = [
                 "unknown"
                 if np.isnan(value)
-                else "< 0.0001"
-                if value < 0.0001
-                else np.format_float_positional(value, 2, fractional=False, trim="-")
+                else f"below {least:g}"
+                if value < least
+                else np.format_float_positional(round(value, 2), 2, fractional=False, trim="-")
                 for value in (values[name] for name in ordered)
             ]
             for name, x, text in zip(names, drawn_at, texts, strict=True):
@@ -159,19 +161,20 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
     """
     table: list[tuple[object, ...]] = []
     with drawn(11.5, 5.2, path, printed=printed, roomy=True) as figure:
-        for ax, (field, unit) in zip(figure.subplots(1, 2), EFFECTS.items(), strict=True):
+        for ax, (field, (unit, _)) in zip(figure.subplots(1, 2), EFFECTS.items(), strict=True):
             found = getattr(builds, field)
             seen = found[np.isfinite(found)]
-            ax.hist(seen, bins=20, color="#85afd2", edgecolor="white")  # dark lines stand out
+            most = max(seen.max(initial=0), 1e-9)
+            ax.hist(seen, np.linspace(0, most, 21), color="#85afd2", edgecolor="white")  # dark lines stand out
             limits = {share: limit for share in (50, 95) if np.isfinite(limit := percentile(found, share))}
             for share, limit in limits.items():
                 ax.axvline(limit, linestyle="--", color="black")
                 place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "va": "top"}
-                ax.annotate(f"{share} %: {limit:.3g}", (limit, 1), (5, 0), **place)
+                ax.annotate(f"{share} %: {_two_digits(limit)}", (limit, 1), (5, 0), **place)
             missing = f"; not seen: {len(found) - len(seen)}" if len(seen) < len(found) else ""
             ax.set(xlabel=f"{field}, {unit}", ylabel=f"builds, of {len(found)}{missing}")
-            most = f"95 % of the builds: {field} by at most {limits[95]:.3g} {unit}" if 95 in limits else ""
-            ax.set_title(most or field.capitalize())
+            title = f"95 % of the builds: {field} by at most {_two_digits(limits[95])} {unit}" if 95 in limits else ""
+            ax.set_title(title or field.capitalize())
             ax.set_xlim(left=0)
             ax.margins(y=0.15)  # room for the texts at the lines
             ax.xaxis.set_major_formatter("{x:g}")
@@ -181,10 +184,14 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
         alike: dict[str, list[str]] = {}
         for name, value in given.items():
             alike.setdefault(_with_unit(name, value), []).append(WHAT[name])
-        errors = [f"{size}: {', '.join(names)}" for size, names in alike.items()]
+        errors = [f"{', '.join(names)}: {size}" for size, names in alike.items()]
         text = fill(f"Standard deviations of the errors: {'; '.join(errors)}", int(14 * figure.get_figwidth()))
         figure.supxlabel(text, x=0.01, ha="left", ma="left", fontsize=10)
     save_table(path.with_suffix(".csv"), ("quantity", "value"), table)
+
+
+def _two_digits(x: float) -> str:
+    return f"{x:#.2g}".rstrip(".")
 
 
 def _size(name: str, size: float) -> str:

@@ -174,7 +174,9 @@ def _draw_points(ax: Axes, measured: StabilityMap) -> list[Named]:
         if len(groups) == 1:
             ax.plot(*np.transpose(points), mark, color=colour, fillstyle="none", label="_")
             points = [each[-1] for each in rows.values()]
-        ax.plot(*np.transpose(points), mark, color=colour, label=label)
+        ax.plot(*np.transpose(points), mark, color=colour, label=label, markeredgecolor="white")
+    if len(groups) == 1:
+        ax.set_xlim(left=ax.get_xlim()[0] / 2)  # room for the name of the last points
     ends = ax.get_xlim()
     ax.plot(ends, ends, ":", color=GREY, label="as great as stated")
     ax.set_xlim(ends)

@@ -28,6 +28,8 @@ STEPS = {
     for name, allowed in ERRORS.items()
     if name not in (*RANDOM, "seed", *OF_LENSES)
 }
+# The errors whose effects are shown: degrees, tiles, or differences of an index. A whole tile would be far too much.
+SHOWN = {name: 0.01 if ERRORS[name].unit in ("tiles", "") else 1.0 for name in STEPS}
 DEVIATIONS = (*STEPS, *RANDOM)
 PERCENTILES = (50, 90, 95, 99)
 ARCMINUTE = np.pi / 180 / 60

@@ -380,7 +380,7 @@ def _circles(ax: Axes, of_r: float, of_alpha: float) -> None:
             end = xy(equations.P(r, radians(signed)))
             ax.annotate(text, end, xy(at), ha="center", va="center", color=CONSTANT_ALPHA, fontsize=11, arrowprops=look)
     ax.plot((0, 1), (0, 0), "--", color=CONSTANT_ALPHA, linewidth=2.2, zorder=4)
-    write(ax, (0.3, 0.1), "0°", color=CONSTANT_ALPHA, fontsize=11)
+    write(ax, (0.415, 0.1), "0°", color=CONSTANT_ALPHA, fontsize=11)
     example = complex(equations.P(of_r, of_alpha))
     for point, text, offset in ((0, "$L$", -0.13 - 0.13j), (1, "$E$", 0.13 - 0.13j), (example, "$P$", 0.13 - 0.13j)):
         ax.plot(*xy(point), "o", color="black", markersize=4, zorder=5)

@@ -224,9 +224,10 @@ def test_the_chart_of_errors_has_a_point_for_each(figures, tmp_path):
     }
     charts.save_sensitivities(found, tmp_path / "errors.png")
     left, right = figures[0].axes
-    assert [*left.lines[0].get_xdata()] == [1e-4, 2, 9]
-    assert [*right.lines[0].get_xdata()] == [1e-4, 3, 0.01]
+    assert [*left.lines[0].get_xdata()] == [0.03, 2, 9] and [*left.lines[1].get_xdata()] == [2, 9]
+    assert [*right.lines[0].get_xdata()] == [0.02, 3, 0.02] and [*right.lines[1].get_xdata()] == [3]
     assert {text.get_text() for text in left.texts} == {"unknown", "2", "9"}
+    assert {text.get_text() for text in right.texts} == {"unknown", "3", "below 0.02"}
     rows = (tmp_path / "errors.csv").read_text("utf-8").splitlines()
     assert rows[1:3] == [
         '"turn, 1 degree","displaced, arcminutes",2',

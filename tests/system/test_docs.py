@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from textwrap import dedent
@@ -22,7 +23,7 @@ import reference  # docs/reference.py
 from conftest import PROJECT, povgen
 from nbclient import NotebookClient
 
-from povgen import Bundle, Chess, Eye, MovieSpec, Room, Window, mtf, results
+from povgen import Bundle, Chess, Eye, InputError, MovieSpec, Room, Window, info, mtf, results
 from povgen.cli.app import COMMANDS
 from povgen.cli.report import SYMPTOMS
 from povgen.measure.measured import px
@@ -349,3 +350,13 @@ def test_the_gallery_is_made_from_its_files():
 
 def test_the_reference_is_made_from_the_code():
     assert reference.PAGE.read_text("utf-8") == reference.page(), "run make docs/reference.md"
+
+
+def test_records_name_no_folder_of_the_machine():
+    files = [path for path in (PROJECT / "docs").rglob("*") if path.suffix in (".png", ".svg", ".csv", ".webp")]
+    commands = {}
+    for path in files:
+        with suppress(InputError):  # others than povgen made it
+            commands[path] = info(path).command or ""
+    assert len(commands) > 40
+    assert not [path for path, command in commands.items() if " /" in command]

@@ -46,6 +46,7 @@ def test_the_uncertainty_says_where_predictions_fail():
     assert abs(table["x"] - table["seen_x"])[0] < usual < 0.02
     assert np.isnan(table["seen_x"][1]) and near_pole > abs(table["x"][1])
     assert results(Chess(sheet="ideal", alpha=178, z1=7, z2=7), "uncertainty")["uncertainty"] == [0]
+    assert np.isnan(results(Chess(sheet="ideal", alpha=180, z1=7, z2=7), "uncertainty")["uncertainty"]).all()
 
 
 def test_the_columns_are_what_differs_and_the_quantities():

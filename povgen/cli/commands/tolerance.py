@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -72,8 +73,9 @@ def command(
     if output:
         from povgen.measure import charts  # needs matplotlib, and says so before anything is traced
     found = tolerance.sensitivities(made, count, scheduler)
-    units = {name: {"tiles": "1 tile of", "": "1 of"}.get(ERRORS[name].unit, "1 degree of") for name in found}
-    _print("what each error changes", "a unit of the error", ((f"{units[name]} {name}", found[name]) for name in found))
+    units = {name: {"tiles": "tiles of", "": "of"}.get(ERRORS[name].unit, "degree of") for name in found}
+    rows = ((f"{size:g} {units[name]} {name}", size * np.array(found[name])) for name, size in tolerance.SHOWN.items())
+    _print("what each error changes", "error", rows)
     if output and not random:
         with saved_with(record_of([made])):
             charts.save_sensitivities(found, output, printed)
