@@ -94,9 +94,11 @@ def test_the_teachers_panel_has_a_lesson_and_prints_its_tasks(browser, demo_file
     expect(
         page.get_by_text("so weit hinter dem Fenster wie Ihr Auge davor: Der Springer dreht sich um die Hälfte von α")
     ).to_be_visible()
+    at = page.locator("#lesson-next").bounding_box()["x"]
     page.keyboard.press("PageUp")
     page.wait_for_function("povgen.questions.isAsked()")
     expect(lesson).to_have_text(re.compile(r"Stunde\s+11/16"))
+    assert page.locator("#lesson-next").bounding_box()["x"] == pytest.approx(at, abs=1)
     expect(page.locator("#next")).to_be_hidden()
     expect(page.locator("#lesson-name")).to_be_hidden()
     changed = "povgen.address.fromHash('#level=expert&light=prism&view=side'); povgen.data.draw()"
