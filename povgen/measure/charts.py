@@ -19,7 +19,7 @@ from povgen.measure.plotting import (
     withStroke,
 )
 from povgen.measure.speed import SIZES, Point
-from povgen.measure.tolerance import SHOWN, Change, percentile
+from povgen.measure.tolerance import SHOWN, Change, percentile, shown
 from povgen.settings import AS_DRAWN, QUALITIES, Print, Rendering
 from povgen.sheets.prisms import ERRORS
 
@@ -150,7 +150,7 @@ def save_sensitivities(sensitivities: Mapping[str, Change], path: Path, printed:
             ax.grid(alpha=0.25)
             ax.set(xlabel=f"{field}, {unit}", title=f"{field.capitalize()} most: {WHAT[most]}")
             rows = values.items()
-            table += [(f"{name}, {_size(name, sizes[name])}", f"{field}, {unit}", f"{x:.6g}") for name, x in rows]
+            table += [(f"{name}, {shown(name)}", f"{field}, {unit}", f"{x:.6g}") for name, x in rows]
     save_table(path.with_suffix(".csv"), ("error", "quantity", "value"), table)
 
 
@@ -192,11 +192,6 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
 
 def _two_digits(x: float) -> str:
     return f"{x:#.2g}".rstrip(".")
-
-
-def _size(name: str, size: float) -> str:
-    """Return the size of an error with its unit in words, for a table."""
-    return {"tiles": f"{size:g} tiles", "": f"{size:g}"}.get(ERRORS[name].unit, f"{size:g} degree")
 
 
 def _with_unit(name: str, value: float) -> str:

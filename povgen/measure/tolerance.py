@@ -39,6 +39,12 @@ Floats = NDArray[np.float64]
 Seen = Floats  # the SPREADS of several scenes, (5, n), or of one scene
 
 
+def shown(name: str) -> str:
+    """Return the size of the error whose effect is shown, with its unit in words."""
+    size = SHOWN[name]
+    return {"tiles": f"{size:g} tiles", "": f"{size:g}"}.get(ERRORS[name].unit, f"{size:g} degree")
+
+
 class Spread(Model):
     """How far builds are from a scene. The errors are drawn independently, from normal distributions.
 

@@ -22,7 +22,6 @@ from povgen.rendering.parallel import worker_count
 from povgen.scene.presets import checked_axial, input_files
 from povgen.scene.scene import Scene
 from povgen.settings import Print
-from povgen.sheets.prisms import ERRORS
 from povgen.video.still import record_of
 
 
@@ -73,8 +72,9 @@ def command(
     if output:
         from povgen.measure import charts  # needs matplotlib, and says so before anything is traced
     found = tolerance.sensitivities(made, count, scheduler)
-    units = {name: {"tiles": "tiles of", "": "of"}.get(ERRORS[name].unit, "degree of") for name in found}
-    rows = ((f"{size:g} {units[name]} {name}", size * np.array(found[name])) for name, size in tolerance.SHOWN.items())
+    rows = (
+        (f"{tolerance.shown(name)} of {name}", size * np.array(found[name])) for name, size in tolerance.SHOWN.items()
+    )
     _print("what each error changes", "error", rows)
     if output and not random:
         with saved_with(record_of([made])):
