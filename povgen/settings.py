@@ -203,11 +203,12 @@ class Print(Model):
     """How a chart or a figure is written to a file."""
 
     dpi: Annotated[float, Field(ge=50, le=1200)] | None = Field(
-        default=None, description="of a chart: dots an inch of a PNG file, and of pictures in other files, 50 to 1200"
+        default=None,
+        description="of charts and figures: dots an inch of a PNG file, and of pictures in other files, 50 to 1200",
     )
     width: Annotated[float, Field(ge=40, le=300)] | None = Field(
         default=None,
-        description="of a chart: the width on paper in millimetres, 40 to 300; text is scaled with the rest",
+        description="of charts and figures: the width on paper in millimetres, 40 to 300; text is scaled with the rest",
     )
 
 

@@ -113,7 +113,8 @@ WHAT = {  # for each error, what is wrong
     "facets": "each facet turned",
     "pitches": "each prism's height wrong, as a part of it",
 }
-# what is drawn of a `Change`, its unit, and the least that is told apart from 0: smaller values change with the rays
+# what is drawn of a `Change`, its unit, and the least that is told apart from 0: in four scenes, smaller values changed
+# as much with the traced rays
 EFFECTS = {"displaced": ("arcminutes", 0.03), "turned": ("degrees", 0.02)}
 
 
@@ -191,7 +192,7 @@ def save_builds(builds: Change, given: Mapping[str, float], path: Path, printed:
 
 
 def _two_digits(x: float) -> str:
-    return f"{x:#.2g}".rstrip(".")
+    return np.format_float_positional(x, 2, unique=False, fractional=False, trim="k").rstrip(".")
 
 
 def _with_unit(name: str, value: float) -> str:

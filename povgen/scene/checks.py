@@ -173,7 +173,7 @@ def _check_places(scene: EyeAndWindows) -> None:
     if any(sheet.layers for sheet in scene.sheets[: len(scene.ideal)]):
         raise ValueError(
             "window: prisms or lenses stand in front of an ideal sheet or an empty window; allowed: prisms and lenses "
-            "in the last windows, or a room"
+            "in the last windows, or in a room"
         )
 
 

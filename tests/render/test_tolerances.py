@@ -212,8 +212,10 @@ def test_the_chart_of_builds_counts_those_that_are_seen(figures, tmp_path):
     assert ax.get_title("left") == "95 % of the builds: displaced by at most 0.96 arcminutes"
     rows = (tmp_path / "builds.csv").read_text("utf-8").splitlines()
     assert rows[1] == '"displaced, arcminutes",0.01' and rows[-2] == '"turned, degrees",nan'
+    charts.save_builds(tolerance.Change(*[1000 * values] * 4), given, tmp_path / "builds.png")
+    assert [text.get_text() for text in figures[1].axes[0].texts] == ["50 %: 510", "95 %: 960"]
     charts.save_builds(tolerance.Change(*np.full((4, 5), np.nan)), {"turn": 0.1}, tmp_path / "builds.png")
-    assert not figures[1].axes[0].lines
+    assert not figures[2].axes[0].lines
 
 
 def test_the_chart_of_errors_has_a_point_for_each(figures, tmp_path):
